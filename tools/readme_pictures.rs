@@ -75,7 +75,7 @@ fn gallery(kinds: &[SceneKind], path: &Path) -> Outcome {
     save(&grid(&parts, 4), path)
 }
 
-/// A crowded exemplar, the texture that is made of it, and the one made with the true masks.
+/// A crowded exemplar, the texture made from it, and the one made with the true masks.
 fn fails(path: &Path) -> Outcome {
     let params = SceneParams { kind: SceneKind::Litter, ..SceneParams::random(3, 512, 512) };
     let (truth, exemplar) = generated(&params)?;
@@ -106,7 +106,7 @@ fn composing(path: &Path) -> Outcome {
     save(&grid(&parts.into_iter().collect::<Outcome<Vec<_>>>()?, 4), path)
 }
 
-/// A portrait of our own, and the same redrawn in leaves and in pebbles.
+/// A self-made portrait, and the same redrawn in leaves and in pebbles.
 fn portrait(path: &Path) -> Outcome {
     let bytes = std::fs::read("examples/drawings/portrait.svg")?;
     let picture = rgb(&render_svg(&bytes, 1.0, "portrait.svg", &())?)?;
@@ -182,7 +182,7 @@ fn side(picture: &RgbImage) -> RgbImage {
     imageops::resize(picture, SIDE, SIDE, Scaling::CatmullRom)
 }
 
-/// Pictures in rows of so many.
+/// Pictures in rows of `columns`.
 fn grid(parts: &[RgbImage], columns: usize) -> RgbImage {
     let rows = || parts.chunks(columns);
     let width_of = |row: &[RgbImage]| row.iter().map(|p| p.width() + GAP).sum::<u32>() - GAP;

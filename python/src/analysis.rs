@@ -31,7 +31,7 @@ struct AnalysisOptions {
     parameters: AnalyzeParams,
 }
 
-/// What finds masks.
+/// The segmenter that finds masks.
 #[derive(Clone, Copy, Deserialize)]
 #[serde(rename_all = "lowercase")]
 enum SegmenterOption {
@@ -40,12 +40,12 @@ enum SegmenterOption {
     Regions,
     Felzenszwalb,
     Sam,
-    /// What draws a picture back, without a network.
+    /// The segmenter for redrawing a picture, without a network.
     #[serde(rename = "one-tree")]
     OneTree,
 }
 
-/// What runs networks.
+/// The engine that runs networks.
 #[derive(Clone, Copy, Deserialize)]
 #[serde(rename_all = "lowercase")]
 enum Engine {
@@ -55,7 +55,7 @@ enum Engine {
 }
 
 impl AnalysisOptions {
-    /// What finds masks.
+    /// The segmenter that finds masks.
     ///
     /// # Errors
     /// Those of loading it.

@@ -1,4 +1,4 @@
-//! How alike two pictures are.
+//! The similarity of two pictures.
 
 use crate::library::Library;
 use crate::pictures::PictureInput;
@@ -13,7 +13,7 @@ use vtex::output::{png, raster_svg};
 use vtex::synth::reconstruct;
 use vtex::{Progress, Result, library, metrics, scene};
 
-/// Something that can be looked at.
+/// An object that can be displayed.
 pub(crate) enum Viewed {
     Picture(PictureInput),
     Scene(Arc<scene::Scene>),

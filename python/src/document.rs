@@ -1,4 +1,4 @@
-//! What libraries and scenes share: documents that are read, compared and given as bytes.
+//! Documents, that is, libraries and scenes: reading, comparison and conversion to bytes.
 
 use crate::errors;
 use crate::pictures::Named;

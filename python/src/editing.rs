@@ -21,7 +21,7 @@ impl TextOperation {
     /// The operation.
     ///
     /// # Errors
-    /// `InputError` for what is no condition.
+    /// `InputError` for text that is not a condition.
     pub(crate) fn operation(self, py: Python<'_>) -> PyResult<Operation> {
         let condition = |text: String| {
             text.parse::<Condition>().map_err(|fault| {
@@ -33,7 +33,7 @@ impl TextOperation {
     }
 }
 
-/// A colour as #rrggbb; nothing for what is none.
+/// A colour as #rrggbb; `None` for text that is not a colour.
 #[pyfunction]
 pub(crate) fn colour(text: &str) -> Option<String> {
     css::colour(text).map(|colour| colour.to_string())

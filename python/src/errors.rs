@@ -5,7 +5,7 @@ use std::io;
 use vtex::Error;
 use vtex::error::EditFault;
 
-/// An exception made by a function of `vtex._errors`; what goes wrong with that is raised instead.
+/// An exception made by a function of `vtex._errors`, or the exception that this call raises.
 fn made<'py>(py: Python<'py>, name: &str, arguments: impl pyo3::call::PyCallArgs<'py>) -> PyErr {
     let value = py.import("vtex._errors").and_then(|module| module.getattr(name)?.call1(arguments));
     value.map_or_else(|error| error, PyErr::from_value)
@@ -16,12 +16,12 @@ pub(crate) fn input(py: Python<'_>, message: &str, hint: Option<&str>) -> PyErr 
     made(py, "InputError", (message, hint))
 }
 
-/// Something that is not of a type that can be used.
+/// An error for an argument of the wrong type.
 pub(crate) fn kind(py: Python<'_>, message: &str, hint: &str) -> PyErr {
     made(py, "InputTypeError", (message, hint))
 }
 
-/// A fault of what runs networks or threads.
+/// An error of an engine or of threads.
 pub(crate) fn engine(py: Python<'_>, message: &str) -> PyErr {
     made(py, "EngineError", (message, None::<&str>))
 }
@@ -45,7 +45,7 @@ pub(crate) fn raised(py: Python<'_>, error: &Error) -> PyErr {
     }
 }
 
-/// Python's number for what is wrong with a file, which on Windows is not the system's.
+/// Python's error number for a fault of a file, which on Windows differs from the system's.
 fn number(py: Python<'_>, error: &io::Error) -> Option<i32> {
     if !cfg!(windows) && error.raw_os_error().is_some() {
         return error.raw_os_error();
@@ -92,7 +92,7 @@ fn field<'a>(operation: &str, name: &'a str) -> &'a str {
     }
 }
 
-/// A hint that names what Python has, else the library's own.
+/// A hint in terms of the Python package, else the library's own.
 fn hint(error: &Error) -> Option<String> {
     let text = match error {
         Error::Exists { .. } => "give another name, or force=True to replace it",

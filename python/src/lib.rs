@@ -1,5 +1,5 @@
-//! The compiled half of the Python package: vtex's functions on plain values, bytes and arrays. What users
-//! see, with names, defaults and documentation, is Python (`package/vtex/`).
+//! The compiled half of the Python package: vtex's functions on plain values, bytes and arrays. The public
+//! interface, with names, defaults and documentation, is in Python (`package/vtex/`).
 
 mod analysis;
 mod comparing;

@@ -12,7 +12,7 @@ use std::sync::Arc;
 use vtex::library::{self, SourceKind};
 use vtex::output::file::{FileKind, Format};
 
-/// What analysis knows of an exemplar.
+/// The result of the analysis of an exemplar.
 #[pyclass(frozen, module = "vtex._vtex")]
 pub(crate) struct Library {
     pub(crate) inner: Arc<library::Library>,

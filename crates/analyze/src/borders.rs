@@ -8,7 +8,7 @@ const RATIO: f64 = 1.6;
 const SHARE: f64 = 0.35;
 /// Largest difference of neighbouring columns, in differences of distant ones: in noise all join.
 const NOISE: f64 = 0.8;
-/// Shortest side that is looked at, in pixels.
+/// Shortest side that is tested, in pixels.
 const SHORTEST: u32 = 32;
 
 /// Whether an image is seamless: the first and the last column differ about as little as neighbouring
@@ -46,7 +46,7 @@ fn joins(count: u32, apart: impl Fn(u32, u32) -> f64) -> bool {
     };
     let near = median((1..count).map(|i| apart(i - 1, i)).collect());
     let at = |distance: u32| median((0..count - distance).map(|i| apart(i, i + distance)).collect());
-    // One of the two is no whole number of periods.
+    // At least one of the two distances is not a whole number of periods.
     let far = at(count / 2).max(at(2 * count / 5));
     let border = apart(count - 1, 0);
     near < NOISE * far && border <= RATIO * near && border - near <= SHARE * (far - near)

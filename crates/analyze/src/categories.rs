@@ -15,7 +15,7 @@ const WEIGHTS: Features = [2.0, 2.0, 2.0, 1.0, 1.0];
 /// of members' colours to that of their category, in Oklab. Colours that far apart have one name.
 const SPREAD: f64 = 0.04;
 
-/// Divides primaries into as many categories as asked for. See [`cluster`].
+/// Divides primaries into the chosen number of categories. See [`cluster`].
 pub(super) fn divide(
     features: &[Features],
     wanted: Categories,
@@ -40,7 +40,7 @@ pub(super) fn divide(
     }
 }
 
-/// How far colours lie from the mean of their category: root of the mean square, in Oklab.
+/// Root mean square distance of colours from the mean of their category, in Oklab.
 fn spread(features: &[Features], ids: &[CategoryId]) -> f64 {
     let colours: Vec<[f64; 3]> =
         features.iter().map(|&[r, g, b, ..]| Colour::from_f64([r, g, b]).to_oklab().map(f64::from)).collect();
@@ -154,7 +154,7 @@ mod tests {
         for colours in [1, 2, 5, 9] {
             let features: Vec<Features> = (0..40 * colours)
                 .map(|i| {
-                    // Around the grey axis, far enough apart for names of their own.
+                    // Hues around the grey axis, far enough apart for different names.
                     let hue = (i % colours) as f64 / colours as f64 * std::f64::consts::TAU;
                     let [r, g, b] = [0.0, 2.1, 4.2].map(|shift| 128.0 + 90.0 * libm::cos(hue - shift));
                     let noise = random.range(-3.0, 3.0);
@@ -162,7 +162,7 @@ mod tests {
                 })
                 .collect();
             let (ids, categories) = divide(&features, Categories::Auto, 10_000.0, 1);
-            // The fewest whose colours are alike; nine hues are so near that two may share a category.
+            // The smallest number of categories with similar colours; two of nine hues may share a category.
             let found = categories.len();
             assert!(spread(&features, &ids) <= SPREAD);
             assert!(found == 1 || spread(&features, &cluster(&features, found - 1, 1e4, 1).0) > SPREAD);

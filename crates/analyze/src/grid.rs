@@ -42,7 +42,7 @@ pub(super) struct SubpixelGrid {
 }
 
 impl SubpixelGrid {
-    /// The grid that `params.cells` asks for, or the default for the photograph's size.
+    /// The grid of `params.cells` cells, or the default for the photograph's size.
     pub(super) fn new(image: &RgbImage, params: &AnalyzeParams) -> Self {
         let pixels = u64::from(image.width()) * u64::from(image.height());
         let fitting = if pixels > LARGE_PHOTOGRAPH { 1 } else { 2 };

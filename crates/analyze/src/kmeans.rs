@@ -37,7 +37,7 @@ const ROUNDING: f64 = 1e-9;
 #[derive(Clone)]
 struct Member {
     cluster: usize,
-    /// At least the distance to the cluster's centre, and at most that to any other.
+    /// Upper bound of the distance to the cluster's centre, and lower bound of that to any other.
     own: f64,
     others: f64,
 }

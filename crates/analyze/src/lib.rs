@@ -135,7 +135,7 @@ fn analyze_whole(
     Ok(library)
 }
 
-/// What lies behind all elements.
+/// The background behind all elements.
 struct Ground {
     palette: Field,
     strata: PhotographStrata,
@@ -143,7 +143,7 @@ struct Ground {
     textons: LabelMap,
 }
 
-/// What elements are made of, piece by piece.
+/// The parts of elements.
 struct ElementPieces {
     /// The details of each primary.
     details: Vec<Vec<Cells<Mask>>>,
@@ -242,7 +242,7 @@ fn categorise(
     (ids, categories)
 }
 
-/// Where a library comes from.
+/// The origin of a library.
 fn source(exemplar: &Exemplar, segmenter: &dyn Segmenter, params: &AnalyzeParams) -> Source {
     let (width, height) = exemplar.image.dimensions();
     Source {

@@ -1,9 +1,9 @@
-//! A photograph that repeats, with a margin of what comes next across its borders, so that elements that the
-//! borders cut are whole.
+//! A photograph that repeats, with a margin of its continuation across its borders, so that elements cut by
+//! the borders are whole.
 //!
-//! Masks are found in the photograph as it is. What of two of them meets across a border is one element
+//! Masks are found in the photograph without the margin. Two masks that meet across a border are one element
 //! from here on; details, secondaries and outlines are found in the photograph with its margin, and elements
-//! whose centroid lies in the margin are left out, because they stand elsewhere once more.
+//! whose centroid lies in the margin are left out, because they are copies of others.
 //!
 //! When this works badly: an element that a border cuts, of which only one part was found, stays cut. It is
 //! known, but not placed.
@@ -25,22 +25,23 @@ const MOST: f64 = 0.4;
 /// Share of the longer of two contacts with a border that has to meet the other for two masks to be one
 /// element.
 const MEETS: f64 = 0.5;
-/// How far apart two copies of one element may be found, in pixels, and the ratio of their areas.
+/// Largest distance of two copies of one element after their shift, in pixels, and the largest ratio of their
+/// areas.
 const SAME: f64 = 1.0;
 const ALIKE: f64 = 1.3;
-/// Contacts with a border of fewer pixels cut nothing.
+/// A mask with fewer pixels at a border does not count as cut.
 const FEW: usize = 4;
 
-/// The margin around a photograph; none around one that does not repeat.
+/// The margin around a photograph; its width is 0 for one that does not repeat.
 pub(super) struct Margin {
     /// Size of the photograph.
     size: [u32; 2],
-    /// Width on each side; 0 for no margin, which leaves everything as it is.
+    /// Width on each side; 0 for no margin, with which all methods leave their input unchanged.
     width: u32,
     /// Masks that are one element across the right border, and across the lower one, by their labels: the one
     /// before the border, the one after it.
     joined: [BTreeMap<u32, u32>; 2],
-    /// Labels of masks that a border cuts and that nothing meets.
+    /// Labels of masks that a border cuts and that have no counterpart at the opposite border.
     cut: Vec<u32>,
 }
 
@@ -88,7 +89,8 @@ impl Margin {
         self.size.map(|side| side + 2 * self.width)
     }
 
-    /// Along an axis, which copy of the photograph a place of the whole shows, counted from 0, and where.
+    /// The copy of the photograph at a place of the whole along an axis, counted from 0, and the place in
+    /// that copy.
     fn copy(&self, at: u32, axis: usize) -> (u32, u32) {
         let side = self.size[axis];
         let moved = at + side - self.width;
@@ -105,13 +107,14 @@ impl Margin {
         Cow::Owned(RgbImage::from_fn(width, height, pixel))
     }
 
-    /// Its primaries, a label for each, numbered by their first pixel. And the labels of those that are cut.
+    /// The primaries of the photograph with its margin, numbered by their first pixel, and the labels of
+    /// those that are cut.
     pub(super) fn primaries(&self, primaries: LabelMap) -> (LabelMap, Vec<u32>) {
         if self.is_none() {
             return (primaries, Vec::new());
         }
         let count = primaries.labels.iter().max().map_or(0, |most| *most as usize) + 1;
-        // A node for each label in each of the nine copies that show.
+        // A node for each label in each of the nine copies.
         let node = |[i, j]: [u32; 2], label: u32| (j as usize * 3 + i as usize) * count + label as usize;
         let mut sets = DisjointSets::new(9 * count);
         for across in 0..3 {
@@ -186,12 +189,12 @@ impl Margin {
         inner
     }
 
-    /// The elements whose centroid lies in the photograph, where they stand in it.
+    /// The elements whose centroid lies in the photograph, at their places in it.
     pub(super) fn kept(&self, elements: Vec<ExemplarElement>) -> Vec<ExemplarElement> {
         self.kept_of(elements).0
     }
 
-    /// The primaries that stand in the photograph, and the map of them there. `map` has a label for each.
+    /// The primaries whose centroid lies in the photograph, and their map. `map` has a label for each.
     pub(super) fn kept_primaries(
         &self,
         primaries: Vec<ExemplarElement>,
@@ -248,7 +251,7 @@ impl Margin {
         (kept, indices)
     }
 
-    /// Whether of two elements, each with its centroid and area, one is the other at another border.
+    /// Whether one of two elements, each with its centroid and area, is the other's copy at another border.
     fn is_copy(&self, (a, one): ([f64; 2], u32), (b, other): ([f64; 2], u32)) -> bool {
         let off = |k: usize| {
             let way = (a[k] - b[k]).abs();
@@ -282,21 +285,21 @@ fn edges(map: &LabelMap, axis: usize) -> (Vec<u32>, Vec<u32>) {
     (line(last), line(0))
 }
 
-/// How many pixels of a line each label has.
+/// Number of pixels of each label in a line.
 fn counts(line: &[u32]) -> BTreeMap<u32, usize> {
     let mut counts = BTreeMap::new();
     line.iter().filter(|label| **label > 0).for_each(|label| *counts.entry(*label).or_insert(0) += 1);
     counts
 }
 
-/// The labels of one line that are one element with labels of the other, which comes right after it.
+/// The pairs of labels of two adjacent lines that are one element.
 fn joined(before: &[u32], after: &[u32]) -> BTreeMap<u32, u32> {
     let [first, second] = [before, after].map(counts);
     let mut meet: BTreeMap<(u32, u32), usize> = BTreeMap::new();
     for (&a, &b) in before.iter().zip(after).filter(|(a, b)| **a > 0 && **b > 0 && a != b) {
         *meet.entry((a, b)).or_insert(0) += 1;
     }
-    // More than half of the longer contact: none has two partners.
+    // More than half of the longer contact, so no label has two partners.
     let longer = |(a, b): &(u32, u32)| first[a].max(second[b]) as f64;
     meet.into_iter().filter(|(pair, n)| *n as f64 > MEETS * longer(pair)).map(|(pair, _)| pair).collect()
 }
@@ -372,7 +375,7 @@ mod tests {
             assert!(!primary.clipped && (f64::from(primary.area) / area - 1.0).abs() < 0.2, "{x} {y}");
             let bounds = element::bounds(&primary.shapes);
             assert!((bounds.width() - (2 * r + 1) as f64).abs() < 2.5, "{x} {y} {bounds:?}");
-            // All its pixels are its own, on whichever side of the photograph.
+            // All its pixels have its label, at all borders of the photograph.
             let labels = whole.arrangement.to_labels();
             let pixels = labels.labels.iter().filter(|l| **l as usize == found + 1).count();
             assert!((pixels as f64 / area - 1.0).abs() < 0.2, "{x} {y} {pixels}");

@@ -1,4 +1,4 @@
-//! First stage: which pixels belong to which element.
+//! First stage: the division of pixels into elements.
 
 use super::grid::{Cells, SubpixelGrid};
 use super::margin::Margin;
@@ -14,8 +14,8 @@ use vtex_segment::segment::ScoredMask;
 /// Fit tolerance (`fidelity`, in pixels) below which mixed pixels along rims keep their colours.
 const FINEST_UNMIXED: f64 = 0.2;
 
-/// A photograph divided into elements and what lies between them. Of a photograph that repeats all is known with
-/// a margin of what comes next.
+/// A photograph divided into elements and the area between them. For a photograph that repeats, all maps
+/// include a margin.
 pub(super) struct Partition<'a> {
     pub(super) exemplar: &'a Exemplar,
     pub(super) params: &'a AnalyzeParams,
@@ -25,14 +25,14 @@ pub(super) struct Partition<'a> {
     pub(super) grid: SubpixelGrid,
     /// The photograph with its margin. Only edges are located in it.
     pub(super) image: Cow<'a, RgbImage>,
-    /// Its cells, those along the borders of primaries in the colour of their side. Shapes take their colours
-    /// from these.
+    /// Its cells; cells along the borders of primaries have the colour of their own side. Shapes take their
+    /// colours from these.
     pub(super) clean: Cells<RgbImage>,
     /// A label for each primary, 0 between them.
     pub(super) labels: LabelMap,
     /// The mask of each primary.
     pub(super) primaries: Vec<Cells<Mask>>,
-    /// Labels of primaries that a border cuts and of which the other part was not found.
+    /// Labels of primaries that a border cuts and whose other part was not found.
     cut: Vec<u32>,
     /// Small patches between primaries.
     pub(super) patches: Vec<Cells<Mask>>,
@@ -78,12 +78,12 @@ impl<'a> Partition<'a> {
         self.margin.inner(&self.grid.pixels(&cells)).into_owned()
     }
 
-    /// Whether what a mask shows counts as part of the photograph.
+    /// Whether a mask counts as part of the photograph, not of its margin.
     pub(super) fn counts(&self, mask: &Cells<Mask>) -> bool {
         self.margin.holds(self.grid.centroid(mask))
     }
 
-    /// The elements that stand in the photograph, of the shapes of all.
+    /// The elements whose centroid lies in the photograph.
     pub(super) fn elements(self, shapes: ElementShapes) -> Elements {
         let ElementShapes { mut primaries, secondaries } = shapes;
         for (label, (primary, mask)) in (1..).zip(primaries.iter_mut().zip(&self.primaries)) {

@@ -1,10 +1,10 @@
 //! The size at which a photograph is analysed.
 //!
-//! Segmentation and placement know elements of some 20 to 80 pixels best, and their cost grows with the
+//! Segmentation and placement work best for elements of some 20 to 80 pixels, and their cost grows with the
 //! number of pixels. A photograph of more pixels than [`AnalyzeParams::max_pixels`] is therefore reduced: to
-//! that number, or further, until half of the area of its elements belongs to elements of less than
-//! [`LARGE`] pixels across, but not so far that a quarter of it belongs to elements of less than [`SMALL`].
-//! How large elements are is seen in a first pass of the region tree at a small size.
+//! that number, or further, until half of the area of its elements belongs to elements of less than [`LARGE`]
+//! pixels across, but not so far that a quarter of it belongs to elements of less than [`SMALL`]. How large
+//! elements are is seen in a first pass of the region tree at a small size.
 //!
 //! The library that comes of it has the photograph's own pixels as its units (`crates/scene/src/library/units.rs`), so sizes
 //! of results mean what they mean without reduction.
@@ -55,7 +55,7 @@ pub(super) fn reduced<'a>(
     Ok(Cow::Owned(Exemplar { image, file, sha256, layers, warnings }))
 }
 
-/// Number of pixels of an image at which its elements are best known; `None` if they cover too little to tell.
+/// Number of pixels at which an image's elements have the best size; `None` if they cover too little of it.
 fn elements_known(image: &RgbImage) -> Result<Option<f64>> {
     let first = at_most(image, FIRST, Filter::Triangle);
     let masks = OneTree.segment(&first, &())?;
@@ -64,12 +64,12 @@ fn elements_known(image: &RgbImage) -> Result<Option<f64>> {
     Ok(factor(areas, shown).map(|factor| shown * factor * factor))
 }
 
-/// How far a picture of some area may be enlarged after a first pass until elements of the areas found in it
-/// are large. At least 1; `None` if they cover too little to tell.
+/// Factor by which the area of a picture may grow after a first pass until its elements are large. At least
+/// 1; `None` if elements cover too little of it.
 fn factor(mut areas: Vec<f64>, shown: f64) -> Option<f64> {
     areas.sort_by(f64::total_cmp);
     let all: f64 = areas.iter().sum();
-    // Diameter of the element at which a share of the area of all is reached, from the smallest on.
+    // Quantile of the elements' diameters, weighted by area.
     let across = |share: f64| {
         let mut sum = 0.0;
         let at = areas.iter().find(|area| {
@@ -125,7 +125,7 @@ mod tests {
         assert!(width < 900 && (60.0..100.0).contains(&across), "{width} {across}");
         let exemplar = discs(1500, 240);
         assert_eq!(reduced(&exemplar, &OneTree, &params, &()).unwrap().image.width(), 966);
-        // A few elements that fill all of it are not reduced to nothing.
+        // An image filled by a few elements is not reduced below the size of the first pass.
         let (width, _) = size(800);
         assert!((460..470).contains(&width), "{width}");
     }

@@ -11,7 +11,7 @@ impl DisjointSets {
         Self { parent: (0..count as u32).collect() }
     }
 
-    /// The number that stands for the set of `i`.
+    /// The representative of the set of `i`.
     pub fn root(&mut self, i: usize) -> usize {
         let mut i = i as u32;
         while self.parent[i as usize] != i {
@@ -22,13 +22,13 @@ impl DisjointSets {
         i as usize
     }
 
-    /// Makes one set of those of `a` and `b`. The lower of their roots stands for it.
+    /// Joins the sets of `a` and `b`. The lower of their roots becomes the representative.
     pub fn join(&mut self, a: usize, b: usize) {
         let (a, b) = (self.root(a), self.root(b));
         self.attach(a.min(b), a.max(b));
     }
 
-    /// Makes one set of two, given by their roots. The first root stands for it.
+    /// Joins two sets, given by their roots. The first root becomes the representative.
     pub fn attach(&mut self, root: usize, child: usize) {
         self.parent[child] = root as u32;
     }

@@ -1,4 +1,4 @@
-//! Versioned JSON documents, plain or gzip: what libraries and scenes share.
+//! Versioned JSON documents, plain or gzip, such as libraries and scenes.
 //!
 //! Reading validates: afterwards every index is in range, every number finite and every run-length code adds
 //! up, so no later stage checks again.
@@ -17,13 +17,12 @@ pub trait Document: Serialize + DeserializeOwned {
     /// Value of the field `version`.
     const VERSION: u32;
 
-    /// Reads a document of an older version and brings it up to date; `None` for a version that is not
-    /// known.
+    /// Reads a document of an older version and converts it; `None` for an unknown version.
     fn read_older(_version: u64, _json: &[u8]) -> Option<serde_json::Result<Self>> {
         None
     }
 
-    /// Checks what the types cannot say.
+    /// Checks the invariants that types cannot express.
     ///
     /// # Errors
     /// The first invariant broken, in words.
@@ -40,7 +39,7 @@ pub fn read<T: Document>(path: &Path) -> Result<T> {
 pub fn from_bytes<'a, T: Document>(bytes: impl Into<Cow<'a, [u8]>>, name: &str) -> Result<T> {
     let fail = |reason: String| Error::Format { name: name.into(), format: T::FORMAT, reason };
     let json = gzip::unpack(bytes, u64::MAX).map_err(fail)?;
-    // Name and version first, so that another format is told apart from a damaged file.
+    // Name and version first, so that another format is distinguished from a damaged file.
     let header = Header::of(&json).map_err(|e| fail(e.to_string()))?;
     match header.format.as_deref() {
         Some(f) if f == T::FORMAT => {}
@@ -60,7 +59,7 @@ pub fn from_bytes<'a, T: Document>(bytes: impl Into<Cow<'a, [u8]>>, name: &str) 
     let elsewhere = || parse(&without_seal_elsewhere(&json)?);
     let is_seal = |e: &serde_json::Error| e.to_string().starts_with("unknown field `sha256`");
     let read = read.or_else(|e: serde_json::Error| is_seal(&e).then(elsewhere).flatten().unwrap_or(Err(e)));
-    // A brace too many or missing before the seal makes it a field of something else.
+    // An unbalanced brace before the seal makes it a field of another object.
     let read = read.map_err(|e| match serde_json::from_slice::<IgnoredAny>(&json) {
         Err(broken) if is_seal(&e) => braces(&broken),
         _ => without_list(e.to_string()),
@@ -70,7 +69,7 @@ pub fn from_bytes<'a, T: Document>(bytes: impl Into<Cow<'a, [u8]>>, name: &str) 
     Ok(document)
 }
 
-/// What is wrong with the braces of a document.
+/// The message about unbalanced braces of a document.
 fn braces(broken: &serde_json::Error) -> String {
     let place = format!("at line {} column {}", broken.line(), broken.column());
     match broken.classify() {
@@ -88,12 +87,12 @@ fn braces(broken: &serde_json::Error) -> String {
 pub fn without_list(message: String) -> String {
     const MOST: usize = 8;
     let Some((before, rest)) = message.split_once(", expected one of ") else { return message };
-    // The names stand in backquotes, and what follows the last of them is the place.
+    // The names are in backquotes; the place follows the last of them.
     let (names, place) = rest.rsplit_once('`').unwrap_or((rest, ""));
     if names.matches("`, `").count() < MOST { message } else { format!("{before}{place}") }
 }
 
-/// The fields by which documents are told apart.
+/// The fields that identify a document.
 #[derive(Default)]
 struct Header {
     format: Option<String>,
@@ -101,8 +100,7 @@ struct Header {
 }
 
 impl Header {
-    /// Reads no further than to the second of the fields: they come first, and the rest is read with the
-    /// document.
+    /// Reads only up to the second of the fields: they come first, and the rest is read with the document.
     fn of(json: &[u8]) -> serde_json::Result<Self> {
         let mut header = Self::default();
         let read = HeaderVisitor(&mut header).deserialize(&mut serde_json::Deserializer::from_slice(json));
@@ -161,8 +159,8 @@ fn without_seal(json: Cow<'_, [u8]>) -> Cow<'_, [u8]> {
     rest.into()
 }
 
-/// A document without a seal that does not come last, because another program has ordered the fields anew;
-/// `None` if there is none.
+/// A document without its seal, if another program has reordered the fields so that the seal is not last;
+/// `None` if there is no seal.
 fn without_seal_elsewhere(json: &[u8]) -> Option<Vec<u8>> {
     let mut fields: serde_json::Map<String, serde_json::Value> = serde_json::from_slice(json).ok()?;
     fields.remove("sha256")?;
@@ -177,8 +175,8 @@ pub fn to_json<T: Document>(document: &T) -> Vec<u8> {
     bytes
 }
 
-/// Whether a character turns the direction of the text after it, so that what is shown is not what is
-/// written: embeddings, overrides and isolates.
+/// Whether a character changes the direction of the text after it, so that the displayed order differs from
+/// the stored one: embeddings, overrides and isolates.
 pub fn turns_text(c: char) -> bool {
     matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }

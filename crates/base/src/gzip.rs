@@ -1,13 +1,13 @@
-//! Unpacking of gzip, with a bound on what comes out.
+//! Unpacking of gzip, with a bound on the number of unpacked bytes.
 
 use flate2::read::GzDecoder;
 use std::borrow::Cow;
 use std::io::Read;
 
-/// Bytes that may always come out.
+/// Number of unpacked bytes that is always allowed.
 const ALWAYS: u64 = 64_000_000;
-/// Beyond [`ALWAYS`], how many times the packed bytes may come out. Libraries, scenes and SVGs of vtex
-/// are packed to a third to a tenth; gzip itself reaches 1000.
+/// Beyond [`ALWAYS`], the largest ratio of unpacked to packed bytes. Libraries, scenes and SVGs of vtex are
+/// packed to a third to a tenth; gzip itself reaches 1000.
 const RATIO: u64 = 32;
 
 /// Whether bytes begin as gzip does.
@@ -34,14 +34,13 @@ pub fn unpack<'a>(bytes: impl Into<Cow<'a, [u8]>>, limit: u64) -> Result<Cow<'a,
     Ok(unpacked.into())
 }
 
-/// The first bytes, at most `most`, unpacked if they are gzip. Of damaged data what comes before the
-/// damage.
+/// The first bytes, at most `most`, unpacked if they are gzip. For damaged data, the bytes before the damage.
 pub fn beginning(bytes: &[u8], most: usize) -> Cow<'_, [u8]> {
     if !is_packed(bytes) {
         return bytes[..bytes.len().min(most)].into();
     }
     let mut unpacked = Vec::new();
-    // An error ends the data; whoever reads all of them reports it.
+    // An error ends the data; a full read reports it.
     let _ = GzDecoder::new(bytes).take(most as u64).read_to_end(&mut unpacked);
     unpacked.into()
 }

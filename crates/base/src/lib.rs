@@ -1,4 +1,5 @@
-//! Pixels and curves, and what every stage needs: errors, progress, threads, random streams, stored documents.
+//! Pixels and curves, and services for every stage: errors, progress, threads, random streams, stored
+//! documents.
 
 pub mod disjoint_sets;
 pub mod document;

@@ -1,9 +1,9 @@
 //! Ordered parallel maps and pairs of tasks: rayon with the feature `parallel`, plain loops without it.
 //!
-//! Results come back in the order of the input, so what is computed from them does not depend on
-//! the number of threads. Nothing here reduces across threads.
+//! Results are in the order of the input, so values computed from them do not depend on the number of
+//! threads. Nothing here reduces across threads.
 
-/// Pieces of work for each thread, so that none waits long for the last.
+/// Number of pieces of work per thread, so that no thread waits long for the last piece.
 #[cfg(feature = "parallel")]
 const PIECES: usize = 32;
 
@@ -23,8 +23,8 @@ pub fn map<T: Sync, R: Send>(items: &[T], f: impl Fn(&T) -> R + Sync + Send) -> 
     all
 }
 
-/// Does every piece of work from 0 up to `count`. Not generic: it is compiled once, and what rayon needs
-/// for it, not for each of some hundred closures.
+/// Runs every piece of work from 0 up to `count`. It is not generic, so that this code and rayon's are
+/// compiled once, not for each of some hundred closures.
 #[cfg(feature = "parallel")]
 fn for_each(count: usize, work: &(dyn Fn(usize) + Sync)) {
     use rayon::prelude::*;
@@ -76,13 +76,13 @@ fn parts<T>(mut data: &mut [T], lengths: impl Iterator<Item = usize>) -> Vec<&mu
     lengths.map(part).collect()
 }
 
-/// The results of two tasks that do not need one another.
+/// The results of two independent tasks.
 #[cfg(feature = "parallel")]
 pub fn join<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
     rayon::join(a, b)
 }
 
-/// The results of two tasks that do not need one another.
+/// The results of two independent tasks.
 #[cfg(not(feature = "parallel"))]
 pub fn join<A, B>(a: impl FnOnce() -> A, b: impl FnOnce() -> B) -> (A, B) {
     (a(), b())

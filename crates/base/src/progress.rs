@@ -1,4 +1,4 @@
-//! How long work reports what it does, and how it is asked to stop.
+//! Progress of long work: reports to the caller, and requests to stop.
 
 use crate::error::{Error, Result};
 use image::RgbImage;
@@ -6,8 +6,8 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Reports from a long function to its caller, who may stop it.
 ///
-/// The library draws nothing and asks nothing: a program that wants a progress bar, a way to
-/// interrupt, or a picture of each stage implements this trait. `()` implements it and ignores all.
+/// The library displays nothing and asks nothing: a program that wants a progress bar, a way to interrupt, or
+/// a picture of each stage implements this trait. `()` implements it and ignores all.
 pub trait Progress: Sync {
     /// `done` of `total` steps of `stage` are finished; `total` is 0 while it is unknown.
     /// Answer `false` to stop: the function then returns [`Error::Interrupted`].
@@ -16,13 +16,13 @@ pub trait Progress: Sync {
         true
     }
 
-    /// Something the user should know; the work goes on.
+    /// A warning for the user; the work continues.
     fn warn(&self, message: &str) {
         let _ = message;
     }
 
-    /// A picture of an intermediate result is at hand; `draw` makes it. `name` is a file stem
-    /// such as `categories`. Nothing is drawn unless an implementation calls `draw`.
+    /// Offers a picture of an intermediate result; `draw` makes it. `name` is a file stem such as
+    /// `categories`. Nothing is drawn unless an implementation calls `draw`.
     fn picture(&self, name: &str, draw: &dyn Fn() -> RgbImage) {
         let _ = (name, draw);
     }
@@ -38,7 +38,7 @@ pub fn advance(progress: &dyn Progress, stage: &'static str, done: u64, total: u
 /// Tasks that run side by side. One of them reports; the others can be stopped.
 pub struct SideBySide<'a> {
     progress: &'a dyn Progress,
-    /// What was reported last.
+    /// The last report.
     last: Mutex<(&'static str, u64, u64)>,
 }
 
@@ -95,7 +95,7 @@ impl Progress for Silent<'_> {
 mod tests {
     use super::*;
 
-    /// Keeps what is reported, and asks to stop at a stage.
+    /// Collects reports, and stops at a stage.
     struct Kept(Mutex<Vec<(&'static str, u64, u64)>>);
 
     impl Progress for Kept {

@@ -1,8 +1,8 @@
 //! Any program's SVG as a tree of shapes, and pixels of it.
 //!
-//! Nothing outside the file is ever loaded: linked pictures are left out. Text and embedded raster
-//! images are not read. What would cost the parser hours or its stack is refused beforehand, and a panic
-//! of the libraries that parse and draw becomes an error.
+//! Nothing outside the file is ever loaded: linked pictures are left out. Text and embedded raster images are
+//! not read. Documents that would take the parser hours or overflow its stack are refused beforehand, and a
+//! panic of the libraries that parse and draw becomes an error.
 
 mod bounds;
 
@@ -47,7 +47,7 @@ impl From<String> for SvgFault {
     }
 }
 
-/// Whether bytes, plain or gzip, begin as an SVG does, in UTF-16 too: [`text`] says that it is.
+/// Whether bytes, plain or gzip, begin as an SVG does, in UTF-16 too, which [`text`] then refuses.
 pub(crate) fn is_svg(bytes: &[u8]) -> bool {
     let head = gzip::beginning(bytes, HEAD);
     let wide = matches!(head.get(..2), Some([0xff, 0xfe] | [0xfe, 0xff]));
@@ -105,7 +105,7 @@ pub fn tree(document: &roxmltree::Document<'_>) -> Result<usvg::Tree, SvgFault> 
     tree_of(document, || None)
 }
 
-/// The same, with an empty drawing wherever a raster image or another file is shown.
+/// The same, with an empty drawing in place of raster images and other files.
 ///
 /// # Errors
 /// As [`tree`].
@@ -134,7 +134,7 @@ fn tree_of(
     parsed.map_err(|said| panicked("read", &said))?.map_err(|e| fault(document, e))
 }
 
-/// The fault that an error of the parser stands for.
+/// The fault for an error of the parser.
 fn fault(document: &roxmltree::Document<'_>, error: usvg::Error) -> SvgFault {
     use roxmltree::Error::{NoRootNode, NodesLimitReached};
     use usvg::Error::{ElementsLimitReached, InvalidSize, ParsingFailed};
@@ -178,7 +178,7 @@ fn depth(document: &roxmltree::Document<'_>) -> usize {
     depths.into_iter().max().unwrap_or(0)
 }
 
-/// Draws a tree over what there is.
+/// Draws a tree over a picture.
 ///
 /// # Errors
 /// Why it cannot be drawn: a shape reaches 10⁸ pixels away, strokes have more than a million dashes, a path
@@ -206,7 +206,7 @@ fn panicked(done: &str, said: &str) -> SvgFault {
     SvgFault { reason, advice: "simplify it in the program that made it, and please report it" }
 }
 
-/// All groups that no other holds: that of the page, and those of clip paths, masks and patterns.
+/// All outermost groups: that of the page, and those of clip paths, masks and patterns.
 fn roots(tree: &usvg::Tree) -> impl Iterator<Item = &usvg::Group> {
     (std::iter::once(tree.root()))
         .chain(tree.clip_paths().iter().map(|c| c.root()))
@@ -214,13 +214,13 @@ fn roots(tree: &usvg::Tree) -> impl Iterator<Item = &usvg::Group> {
         .chain(tree.patterns().iter().map(|p| p.root()))
 }
 
-/// What drawing takes, beyond the number of shapes and pixels.
+/// The cost of drawing, besides the number of shapes and pixels.
 #[derive(Default)]
 struct DrawingCost {
-    /// Dashes of all strokes, at most.
+    /// Upper bound of the number of dashes of all strokes.
     dashes: f64,
-    /// Pairs of lines of one path that may cross, in all paths. Their order is found row by row of the picture,
-    /// each time from that of the row before.
+    /// Pairs of lines of one path that may cross, in all paths. The renderer sorts them for each row of the
+    /// picture, starting from the order of the row before.
     crossings: f64,
 }
 
@@ -254,13 +254,13 @@ impl DrawingCost {
                 self.dashes += length / period * pattern.len() as f64;
             }
         }
-        // How many lines a row of the picture meets, on average.
+        // Mean number of lines that a row of the picture meets.
         let lines = sides * rise / f64::from(path.abs_stroke_bounding_box().height()).max(1e-6);
         self.crossings += lines * lines;
     }
 }
 
-/// The sum of what `size` makes of each line of a path, curves replaced by their control polygons.
+/// The sum of `size` over the lines of a path, with curves replaced by their control polygons.
 fn length(path: &usvg::tiny_skia_path::Path, size: impl Fn([f64; 2]) -> f64) -> f64 {
     use usvg::tiny_skia_path::{PathSegment, Point};
     let (mut sum, mut start) = (0.0, Point::zero());
@@ -329,7 +329,7 @@ mod tests {
         let rules: String = (0..30_000).map(|k| format!(".a{k}{{fill:#00f}}")).collect();
         let many = format!("<style>*{{{}}}</style>{}", "fill:red;".repeat(3_000), "<g/>".repeat(30_000));
         let list = format!("<style>{}{{{}}}</style>", "g,".repeat(60_000), "fill:red;".repeat(9_000));
-        // Few elements, each of them shown often.
+        // Few elements, each used often.
         let used = format!(
             "<style>{}</style><g id='a'>{}</g>{}",
             &rules[..rules.len() / 15],
@@ -430,7 +430,7 @@ mod tests {
         };
         assert!(drawn(&zigzag(2_000)).is_ok());
         assert!(drawn(&zigzag(60_000)).unwrap_err().reason.contains("crosses itself"));
-        // Many lines that no row meets together are no matter.
+        // Many lines are no problem if no row meets many of them.
         let stairs: String = "h.001v.0015".repeat(60_000);
         assert!(drawn(&format!(r#"<path d="M0 0{stairs}"/>"#)).is_ok());
         assert!(drawn(&dashed(0.001)).unwrap_err().reason.contains("a million dashes"));

@@ -1,7 +1,7 @@
 //! How a photograph is analyzed.
 //!
 //! Options that stand in a configuration file too are `Option`s, so that one given on the command
-//! line is told apart from a default. Their help names range and default, and a test compares
+//! line is distinguished from a default. Their help names range and default, and a test compares
 //! these with the parameter structs.
 
 use crate::cli::values::{Wrap, named, one_of};

@@ -1,10 +1,10 @@
 //! Arcs as sampled points: midpoints of pixel edges, smoothed to remove pixel stairs, then refined to
 //! the image's sub-pixel edges.
 //!
-//! Smoothing is Taubin's two-step filter, which does not shrink. Corners of outlines stay in place.
-//! Corners between details are pixel artefacts and are rounded. A junction moves with the two arcs
-//! that pass through it smoothly, if there are such. No point moves further than half a pixel, and
-//! junctions stay within the hull of the midpoints around them.
+//! Smoothing is Taubin's two-step filter, which does not shrink. Corners of outlines stay in place. Corners
+//! between details are pixel artefacts and are rounded. A junction moves with the two arcs that pass through
+//! it smoothly, if there are any. No point moves farther than half a pixel, and junctions stay within the
+//! hull of the midpoints around them.
 
 use super::trace::{Arc, HalfArc, OUTSIDE, PlanarMap};
 use crate::parallel::{self, for_parts};
@@ -17,7 +17,7 @@ const ROUNDS: usize = 6;
 const STEPS: [f64; 2] = [0.5, -0.52];
 /// Largest distance of a smoothed point from its midpoint, in pixels of the image.
 const REACH: f64 = 0.5;
-/// Largest distance from there to the image's edge, in pixels of the image.
+/// Largest distance from a smoothed point to the image's edge, in pixels of the image.
 const FURTHEST: f64 = 0.6;
 /// Rounds that average these distances between neighbours.
 const EVEN: usize = 4;
@@ -240,7 +240,7 @@ struct Joint {
     at: Point,
     /// Any of the points that are this junction's.
     own: usize,
-    /// The points whose mean attracts it; none if it stays.
+    /// The points whose mean attracts it; empty if it is fixed.
     around: Vec<usize>,
 }
 
@@ -296,7 +296,7 @@ impl ArcFilter {
             let size = away.x.abs() + away.y.abs();
             joint.at + if size > 0.49 { away * (0.49 / size) } else { away }
         }));
-        // Most points stay so near that no root is needed.
+        // Most points are so near that no root is needed.
         let near = reach * reach * (1.0 - 1e-9);
         for arc in &self.arcs {
             let p = &mut points[arc.points.clone()];

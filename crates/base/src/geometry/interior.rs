@@ -26,7 +26,8 @@ impl Interior {
     pub fn new(outline: &Outline) -> Self {
         let edges = edges(outline.path().iter(), TOLERANCE);
         let bounds = outline.bounds();
-        // Tall edges touch many rows: there are only so many that each edge is stored some times.
+        // Tall edges touch many rows, so the number of rows is limited: on average an edge is stored a few
+        // times.
         let tall: f64 = edges.iter().map(|[a, b]| (a.y - b.y).abs()).sum();
         let most = edges.len() as f64 * ROWS_OF_AN_EDGE * bounds.height() / tall.max(1e-9);
         let rows = (edges.len() / EDGES_IN_A_ROW).min(most as usize) + 1;

@@ -3,11 +3,11 @@
 /// The matrix [[a, 0], [b, c]], with a and c above 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lower {
-    /// The first of the diagonal.
+    /// The first element of the diagonal.
     pub a: f64,
-    /// The one below the diagonal.
+    /// The element below the diagonal.
     pub b: f64,
-    /// The second of the diagonal.
+    /// The second element of the diagonal.
     pub c: f64,
 }
 
@@ -32,8 +32,8 @@ impl Lower {
         Self { a: self.a * other.a, b: self.b * other.a + self.c * other.b, c: self.c * other.c }
     }
 
-    /// The power of any real exponent, in closed form: the off-diagonal element is
-    /// b (aᵗ - cᵗ) / (a - c). Written with logarithms, the quotient is exact where a and c are alike too.
+    /// The power of any real exponent, in closed form: the off-diagonal element is b (aᵗ - cᵗ) / (a - c).
+    /// Written with logarithms, the quotient is exact for nearly equal a and c too.
     pub fn power(self, t: f64) -> Self {
         let Self { a, b, c } = self;
         let ratio = libm::log1p((a - c) / c);

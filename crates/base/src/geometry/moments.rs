@@ -18,7 +18,8 @@ pub struct Moments {
 }
 
 impl Moments {
-    /// Moments of an outline; all zero but the centroid, the middle of its bounds, if its area is.
+    /// Moments of an outline. If its area is 0, all are 0 except the centroid, which is the middle of its
+    /// bounds.
     pub fn new(outline: &Outline) -> Self {
         let origin = outline.bounds().center();
         let mut sums = [0.0; 10];

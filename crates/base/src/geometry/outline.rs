@@ -10,10 +10,9 @@ use std::borrow::Cow;
 /// Grid step of outlines' coordinates, in pixels. Two decimals in text are exact.
 pub const STEP: f64 = 0.01;
 
-/// A shape: closed rings of lines and cubic Béziers. The outer ring of a connected shape runs
-/// clockwise on the screen (x right, y down) and its holes run the other way, so both fill rules fill
-/// it alike. Coordinates are multiples of [`STEP`] pixels. In JSON it is SVG path data with relative
-/// commands.
+/// A shape: closed rings of lines and cubic Béziers. The outer ring of a connected shape runs clockwise on
+/// the screen (x right, y down) and its holes run the other way, so both fill rules give the same result.
+/// Coordinates are multiples of [`STEP`] pixels. In JSON it is SVG path data with relative commands.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Outline(BezPath);
 

@@ -236,7 +236,7 @@ impl PathReader<'_> {
             }
             any = digits(self);
         }
-        // Only ASCII was stepped over.
+        // Only ASCII bytes were skipped.
         match self.text[start..self.at].parse::<f64>() {
             Ok(v) if any && v.is_finite() => Ok(v),
             _ => Err(format!("path data: a number was expected at byte {start}")),

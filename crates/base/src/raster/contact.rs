@@ -1,4 +1,4 @@
-//! Which masks touch on a page, and how near the others are.
+//! Contacts of masks on a page, and distances of near ones.
 
 use super::Mask;
 use std::collections::BTreeMap;
@@ -16,7 +16,7 @@ const AROUND: [(i32, i32); 8] = [(1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (-1, 
 /// No mask.
 const NONE: u32 = u32::MAX;
 
-/// The page pixel by pixel: which mask is seen where, and which copy of it.
+/// The page pixel by pixel: the visible mask at each pixel, and which copy of it.
 pub struct ContactPage {
     /// Width and height, in pixels.
     pub size: [i32; 2],
@@ -25,10 +25,10 @@ pub struct ContactPage {
     shifts: Vec<[i8; 2]>,
 }
 
-/// Two masks side by side: the first, the second, and the shift of the second that is meant.
+/// Two adjacent masks: the first, the second, and the shift of the second's copy.
 pub type Pair = (u32, u32, Shift);
 
-/// How two masks lie to one another.
+/// The distance and overlap of two masks.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Contact {
     /// Distance between them, in pixels.
@@ -38,8 +38,8 @@ pub struct Contact {
 }
 
 impl ContactPage {
-    /// The page of `size` pixels on which masks are painted in turn. Gives also how much of a mask others
-    /// hide directly.
+    /// The page of `size` pixels on which masks are painted in turn. Also returns the contacts in which masks
+    /// hide others.
     pub fn new(size: [i32; 2], periodic: bool, masks: &[Mask]) -> (Self, BTreeMap<Pair, Contact>) {
         let count = (size[0] * size[1]) as usize;
         let mut page = Self { size, periodic, masks: vec![NONE; count], shifts: vec![[0; 2]; count] };
@@ -97,7 +97,7 @@ impl ContactPage {
         Some(((y * self.size[0] + x) as usize, shift))
     }
 
-    /// Pixels at which each mask is seen.
+    /// Number of visible pixels of each mask.
     #[cfg(test)]
     fn areas(&self, count: usize) -> Vec<u32> {
         let mut areas = vec![0; count];
@@ -110,12 +110,12 @@ impl ContactPage {
         let (mut masks, mut shifts) = (self.masks.clone(), self.shifts.clone());
         let mut steps = vec![0u16; masks.len()];
         let mut front: Vec<usize> = (0..masks.len()).filter(|&i| self.is_rim(i)).collect();
-        // The pair that was met last, mostly the one that is met next, and its distance.
+        // The last pair and its distance, because the next pair is usually the same.
         let mut last: Option<(Pair, u16)> = None;
         for step in 0..=reach / 2 {
             let mut next = Vec::new();
             for &i in &front {
-                // Every second step goes to corners too, so that what is reached grows as an octagon.
+                // Every second step includes corners, so that the reached area grows as an octagon.
                 let around = if step % 2 == 0 { 4 } else { 8 };
                 for side in AROUND.into_iter().take(around) {
                     let Some((n, across)) = self.beside(i, side) else { continue };
@@ -163,7 +163,7 @@ impl ContactPage {
     }
 }
 
-/// A pair in its order, the lower number first.
+/// A pair in canonical order, the lower number first.
 fn pair((a, sa): (u32, Shift), (b, sb): (u32, Shift)) -> Pair {
     let shift = [sb[0] - sa[0], sb[1] - sa[1]];
     let back = minus(shift);

@@ -61,7 +61,7 @@ mod tests {
         let (red, opaque) = at(5.0);
         assert_eq!((Colour::from_oklab(red), opaque), (Colour([255, 0, 0]), 1.0));
         assert_eq!(at(15.0).1, 0.0);
-        // Half way to the clear pixel it is still red.
+        // Half way to the transparent pixel the colour is still red.
         let (between, opacity) = at(10.0);
         assert!((opacity - 0.5).abs() < 1e-6 && Colour::from_oklab(between) == Colour([255, 0, 0]));
     }

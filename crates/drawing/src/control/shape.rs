@@ -22,9 +22,10 @@ const FINEST: u32 = 4;
 /// Fit tolerance of a traced union, in samples.
 const TOLERANCE: f64 = 0.5;
 
-/// Reads the shapes in an SVG as one, the union of all that are filled, fitted to a canvas of `width` × `height`
-/// pixels: the SVG's page is scaled uniformly to the largest size that fits, and centred. A drawing without
-/// fills may hold one shape with a stroke, which means what it encloses. `name` appears in errors.
+/// Reads the shapes in an SVG as one, the union of all that are filled, fitted to a canvas of `width` ×
+/// `height` pixels: the SVG's page is scaled uniformly to the largest size that fits, and centred. A drawing
+/// without fills may hold one stroked shape, which stands for the area that it encloses. `name` appears in
+/// errors.
 ///
 /// # Errors
 /// [`Error::Control`] unless the file holds visible paths, rectangles, circles, ellipses or polygons, whose
@@ -56,7 +57,7 @@ pub fn shape(bytes: &[u8], name: &str, [width, height]: [u32; 2]) -> Result<Outl
     Ok(outline)
 }
 
-/// The union of shapes; of those that cross each other, what lies on the canvas.
+/// The union of shapes; if shapes cross each other, clipped to the canvas.
 fn union(mut shapes: Vec<Outline>, [width, height]: [u32; 2]) -> Outline {
     if shapes.len() == 1 {
         return shapes.swap_remove(0);
@@ -72,7 +73,7 @@ fn union(mut shapes: Vec<Outline>, [width, height]: [u32; 2]) -> Outline {
     for region in shapes.iter().filter(|shape| !shape.is_empty()).map(Interior::new) {
         for (y, row) in labels.chunks_exact_mut(across as usize).enumerate() {
             for [a, b] in region.intervals((y as f64 + 0.5) * step[1]) {
-                // The samples whose middles lie inside.
+                // The samples whose centres lie inside.
                 let first = |x: f64| libm::ceil(x / step[0] - 0.5).clamp(0.0, f64::from(across)) as usize;
                 row[first(a)..first(b).max(first(a))].fill(1);
             }
@@ -108,7 +109,7 @@ pub fn cage(bytes: &[u8], name: &str) -> Result<(Outline, [u32; 2])> {
 
 /// The shapes in a file.
 struct FileShapes {
-    /// Each with its fill rule; at least one.
+    /// Each shape with its fill rule; at least one.
     paths: Vec<(BezPath, Rule)>,
     /// Width and height of the SVG's page, in its pixels.
     size: [f64; 2],
@@ -247,7 +248,7 @@ fn filled(path: &BezPath, rule: Rule) -> BezPath {
     };
     let mut kept: Vec<(f64, BezPath)> = Vec::new();
     for ring in &all {
-        // A ring around this one has a larger area.
+        // A ring that contains this one has a larger area.
         let larger = all.iter().filter(|other| other.area.abs() > ring.area.abs());
         let around = larger.filter(|other| {
             other.path.bounding_box().contains(ring.place) && other.path.contains(ring.place)
@@ -281,7 +282,7 @@ mod tests {
 
     #[test]
     fn the_canvas_of_the_svg_is_fitted_to_the_canvas() {
-        // Ten times as large, and in the middle of what is twice as high.
+        // Scaled by ten, and centred on a canvas twice as high.
         let rectangle = of(r#"<rect x="10" y="20" width="30" height="20"/>"#).unwrap();
         assert_eq!(rectangle.bounds(), Rect::new(100.0, 450.0, 400.0, 650.0));
         let turned =
@@ -333,10 +334,10 @@ mod tests {
         let cross = area(r#"<path d="M10 0h20v50h-20z"/><path d="M0 15h40v20h-40z"/>"#);
         assert!((cross - (1000.0 + 800.0 - 400.0)).abs() < 1.0, "{cross}");
         let discs = area(r#"<circle cx="25" cy="25" r="20"/><circle cx="45" cy="25" r="20"/>"#);
-        // The part of both: a lens of two discs of radius 20 whose centres are as far apart.
+        // The intersection: a lens of two discs of radius 20 whose centres are 20 apart.
         let lens = 400.0 * (2.0 * std::f64::consts::PI / 3.0 - 0.75_f64.sqrt());
         assert!((discs - (800.0 * std::f64::consts::PI - lens)).abs() < 3.0, "{discs}");
-        // What has only a stroke does not count beside what is filled.
+        // Stroked shapes do not count if there are filled ones.
         let outlined =
             r#"<rect width="10" height="10"/><rect width="90" height="40" fill="none" stroke="red"/>"#;
         assert_eq!(area(outlined), 100.0);
@@ -368,7 +369,7 @@ mod tests {
         assert!(shape(b"no svg", "s.svg", [9, 9]).is_err());
         let many = format!(r#"<path d="M0 0{}z"/>"#, "h1v1".repeat(MOST_SEGMENTS));
         assert!(matches!(of(&many), Err(Error::TooLarge { .. })));
-        // A path that comes back to its start is closed without saying so.
+        // A path that ends at its start counts as closed.
         assert!(of(r#"<path d="M0 0H9V9H0L0 0"/>"#).is_ok());
     }
 

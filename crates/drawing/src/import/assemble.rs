@@ -1,7 +1,7 @@
 //! Pieces → library: elements, their layers, the map of them, the guide.
 //!
 //! A library has one element for each place in the drawing, so that labels of the arrangement tell them
-//! apart. Scenes list equal ones once.
+//! apart. Scenes store equal elements once.
 
 use super::ImportParams;
 use super::categories::categorise;
@@ -32,9 +32,9 @@ use vtex_scene::scene::{Field, pixels};
 
 /// Least length of a page's shorter side, in pixels.
 const LEAST_SIDE: f64 = 200.0;
-/// Largest length of its longer side.
+/// Largest length of a page's longer side, in pixels.
 const MOST_SIDE: f64 = 4096.0;
-/// Longest side to which a page is enlarged for the sake of small pieces.
+/// Longest side to which a page with small pieces is enlarged, in pixels.
 const ENLARGED: f64 = 1600.0;
 /// Cells of the guide across the median piece.
 const CELLS: f64 = 8.0;
@@ -60,9 +60,9 @@ pub(super) struct DrawingOrigin<'a> {
 
 /// Most pixels that all pieces together may paint.
 const MOST_PAINTED: f64 = 1e9;
-/// Most runs of pixels that they may have.
+/// Most runs of pixels of all pieces together.
 const MOST_RUNS: usize = 50_000_000;
-/// Pieces that are made pixels at a time.
+/// Number of pieces rasterised at a time.
 const AT_ONCE: usize = 1024;
 
 /// Size of the page, in pixels of the library.
@@ -96,7 +96,7 @@ pub(super) fn scale(page: &DrawingPage, pieces: &[DrawingPiece], name: &str) -> 
     Ok(page.size.map(|v| libm::round(v * factor).max(1.0) as u32))
 }
 
-/// The colour of the page, and the pieces that lie on it. Without one, drawings lie on white.
+/// The colour of the page, and the pieces on it. Without a background, the page is white.
 pub(super) fn background(page: &DrawingPage, pieces: Vec<DrawingPiece>) -> (Colour, Vec<DrawingPiece>) {
     let clip = Clip::rect(page_of(page.size));
     let whole = page.size[0] * page.size[1];
@@ -113,14 +113,14 @@ pub(super) fn background(page: &DrawingPage, pieces: Vec<DrawingPiece>) -> (Colo
     }
 }
 
-/// An element that is being put together.
+/// An element under construction.
 struct Draft {
     shapes: Vec<Shape>,
     layer: usize,
     /// Place in the painting order.
     order: usize,
     mask: Mask,
-    /// Whether it runs on beyond the borders of the page.
+    /// Whether it is endless: it continues across the borders of the page from copy to copy.
     endless: bool,
 }
 
@@ -201,8 +201,8 @@ pub(super) fn assemble(
     Ok(library)
 }
 
-/// Units of the page for one of the library, a power of ten, and what is said of it. It is 1 but for pages so
-/// small or large that a library cannot hold them.
+/// Units of the page per unit of the library, a power of ten, and a warning about it. It is 1 except for
+/// pages that are too small or too large for a library.
 fn unit(page: &DrawingPage) -> (f64, Option<String>) {
     let [short, long] = [page.size[0].min(page.size[1]), page.size[0].max(page.size[1])];
     let mut unit = 1.0;
@@ -285,7 +285,7 @@ fn drafts(
     go_on()?;
     let mut sets = elements(&known, &drawn, origin.params.analyze.elements);
     endless(&known, &mut sets);
-    // What was cut reaches beyond the border.
+    // Shapes that were cut extend beyond the border.
     let widened = |k: usize| -> Vec<Shape> {
         if !cut[k] {
             return drawn[k].clone();
@@ -295,13 +295,13 @@ fn drafts(
             part.path = torus.widened(&part.path, UNDERLAP / pixels);
         }
         let wide = shapes(&piece, map);
-        // Of a hairline along the border nothing may be left.
+        // A hairline along the border may vanish.
         if wide.is_empty() { drawn[k].clone() } else { wide }
     };
     let mut groups: BTreeMap<(usize, usize), Vec<(usize, Shift)>> = BTreeMap::new();
     for k in (0..pieces.len()).filter(|&k| !drawn[k].is_empty()) {
         let (root, shift) = sets.find(k);
-        // Each piece of what has no end is an element of its own.
+        // Each piece of an endless set is its own element.
         let key = if sets.is_endless(k) { ((k, 1), [0; 2]) } else { ((root, 0), shift) };
         groups.entry(key.0).or_default().push((k, key.1));
     }
@@ -314,7 +314,7 @@ fn drafts(
     Ok(drafts)
 }
 
-/// Notes which pieces run on: those that meet themselves a period away.
+/// Marks the endless pieces: those that touch their own copy a period away.
 fn endless(known: &PieceProperties<'_>, sets: &mut Offsets) {
     for (&(a, b, shift), contact) in &known.contacts {
         let same = sets.find(a as usize).0 == sets.find(b as usize).0;
@@ -324,7 +324,7 @@ fn endless(known: &PieceProperties<'_>, sets: &mut Offsets) {
     }
 }
 
-/// An element of pieces, moved to where its middle lies on the page.
+/// An element made of pieces, moved by whole periods so that its middle lies on the page.
 fn draft(
     members: &[(usize, Shift)],
     pieces: &[DrawingPiece],
@@ -395,7 +395,7 @@ fn element(draft: &Draft, size: [f64; 2], wrap: bool) -> ExemplarElement {
     }
 }
 
-/// The outlines of all shapes together, unless there is but one.
+/// The union of the outlines of all shapes; `None` for a single shape.
 fn silhouette(shapes: &[Shape]) -> Option<Outline> {
     if shapes.len() < 2 {
         return None;
@@ -407,7 +407,7 @@ fn silhouette(shapes: &[Shape]) -> Option<Outline> {
     Outline::new(&shapes.iter().flat_map(ring).collect())
 }
 
-/// The background, and the layers of the drawing that hold something.
+/// The background, and the layers of the drawing that are not empty.
 fn layers(page: &DrawingPage, drafts: &[Draft], colour: Colour) -> Vec<ExemplarLayer> {
     let field = Field { spacing: 25.0, fallback: colour, points: Vec::new() };
     let background = ExemplarLayer { field: Some(field), ..ExemplarLayer::new(Role::Background) };

@@ -1,4 +1,4 @@
-//! Categories of a drawing's elements: alike in shape, size and colours.
+//! Categories of a drawing's elements: those similar in shape, size and colours.
 
 use vtex_base::geometry::{Outline, SecondMoments};
 use vtex_scene::library::{Category, CategoryId, ExemplarElement};
@@ -7,13 +7,13 @@ use vtex_scene::library::{Category, CategoryId, ExemplarElement};
 /// whole, logarithm of the area, compactness, elongation.
 type Features = [f64; 6];
 
-/// Distance within which elements are of one category at first.
+/// Initial distance within which elements are of one category.
 const ALIKE: f64 = 0.7;
 /// Factor by which that distance grows while there are too many categories.
 const WIDER: f64 = 1.3;
 
-/// Gives each element its category; at most `most` of them, the largest first. `shares` are the shares of
-/// the page that elements cover.
+/// Gives each element its category. There are at most `most` categories, the largest first. `shares` are the
+/// shares of the page that elements cover.
 pub(super) fn categorise(elements: &mut [ExemplarElement], shares: &[f64], most: usize) -> Vec<Category> {
     let features: Vec<Features> = elements.iter().map(features).collect();
     let mut reach = ALIKE;

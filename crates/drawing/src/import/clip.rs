@@ -54,7 +54,7 @@ impl Clip {
             let [a, b, c] = [0, 1, 2].map(|k| points[(i + k) % n]);
             (b - a).cross(c - b)
         };
-        // A star turns one way all along too.
+        // A star also turns in one direction at all corners.
         let convex = (0..n).all(|i| turn(i) >= -1e-9) && is_simple(path);
         convex.then_some(Self(points))
     }
@@ -166,7 +166,7 @@ mod tests {
             ("M20 2h3v3h-3z", 0.0),
             ("M-5-5h20v20h-20zM2 2v2h2v-2z", 96.0),
             ("M-4 5h8v4h-8z", 16.0),
-            // Each half of a curve from x = -4 to 4 with both handles 6 away holds 28.8.
+            // Each half of a curve from x = -4 to 4 with both handles at distance 6 has an area of 28.8.
             ("M-4 5c0-6 8-6 8 0c0 6-8 6-8 0z", 28.8),
         ] {
             let found = clip.apply(&parse_path(text).unwrap()).area();

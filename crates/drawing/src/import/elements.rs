@@ -1,7 +1,7 @@
-//! Which pieces are one element.
+//! Division of pieces into elements.
 //!
 //! Groups of the drawing come first. Without groups, pieces belong together if they lie within one another,
-//! touch, or are much nearer to each other than to all else. If the result would run on without end or span
+//! touch, or are much nearer to each other than to all other pieces. If the result would be endless or span
 //! most of the page, as in a packed drawing, only contacts count that recur at the same relative place
 //! ([`recurring`](super::recurring)).
 
@@ -21,7 +21,7 @@ const LARGEST: f64 = 0.6;
 const WITHIN: f64 = 0.75;
 /// Least distance between elements, as a multiple of the distance between parts of one element.
 const APART: f64 = 1.8;
-/// Distances below this, in pixels, are not told apart.
+/// Distances below this, in pixels, count as equal.
 const FINEST: u16 = 2;
 /// Largest distance of the parts of an element, as a share of the page's side.
 pub(super) const NEAREST: f64 = 0.016;
@@ -30,7 +30,7 @@ pub(super) const NEAREST: f64 = 0.016;
 pub(super) struct PieceProperties<'a> {
     pub(super) page: &'a DrawingPage,
     pub(super) pieces: &'a [DrawingPiece],
-    /// Whether each piece was left cut by the border of a page that wraps.
+    /// Whether each piece remains cut by the border of a page that wraps.
     pub(super) cut: Vec<bool>,
     /// Bounds of each, in pixels.
     pub(super) bounds: Vec<Rect>,
@@ -41,7 +41,7 @@ pub(super) struct PieceProperties<'a> {
     pub(super) size: [f64; 2],
 }
 
-/// The pieces that are one element, as sets with the copies that are meant.
+/// The elements as sets of pieces, with the copy of each piece that belongs to the set.
 pub(super) fn elements(known: &PieceProperties<'_>, shapes: &[Vec<Shape>], how: Grouping) -> Offsets {
     let mut sets = Offsets::new(known.pieces.len());
     let mut last: BTreeMap<usize, usize> = BTreeMap::new();
@@ -74,7 +74,7 @@ impl PieceProperties<'_> {
     fn nearest_copy(&self, a: usize, b: usize) -> [i32; 2] {
         let apart = self.bounds[a].center() - self.bounds[b].center();
         let away = [apart.x / self.size[0], apart.y / self.size[1]];
-        // Only pieces at borders have copies.
+        // Only pieces cut by borders have copies.
         if self.cut[a] && self.cut[b] { away.map(|v| libm::round(v) as i32) } else { [0; 2] }
     }
 
@@ -122,7 +122,7 @@ impl PieceProperties<'_> {
         }
     }
 
-    /// Joins pieces whose contact says so, where what comes of it is small and ends.
+    /// Joins pieces for whose contact `says` holds, if the result is small and not endless.
     fn join_where(&self, sets: &mut Offsets, says: impl Fn(&Contact, Pair) -> bool) {
         let mut trial = sets.clone();
         let mut pairs = Vec::new();
@@ -159,7 +159,7 @@ impl PieceProperties<'_> {
     /// The largest distance between parts of one element, where distances fall into two kinds: short ones
     /// within elements, long ones between them.
     fn joint(&self, sets: &Offsets) -> Option<u16> {
-        // The lengths of a minimum spanning forest of what is near.
+        // The lengths of a minimum spanning forest of near pieces.
         let mut pairs: Vec<(u16, Pair)> = self.contacts.iter().map(|(p, c)| (c.gap, *p)).collect();
         pairs.sort_unstable();
         let mut forest = sets.clone();
@@ -173,7 +173,7 @@ impl PieceProperties<'_> {
         }
         let most = NEAREST * libm::sqrt(self.size[0] * self.size[1]);
         let reach = gaps.last().copied()?;
-        // Beyond the last is all that was not found to be near.
+        // Distances beyond the last belong to pieces that are not near.
         let beyond = libm::ceil(2.0 * most) as u16;
         let next = gaps.iter().copied().skip(1).chain([beyond.max(reach)]);
         let step = |(own, next): (u16, u16)| (f64::from(next) / f64::from(own.max(FINEST)), own);
@@ -183,7 +183,7 @@ impl PieceProperties<'_> {
     }
 }
 
-/// Whether a box is small against the page: at most `share` of each side.
+/// Whether a box is small compared with the page: at most `share` of each side.
 fn is_small(b: Rect, size: [f64; 2], share: f64) -> bool {
     b.width() <= share * size[0] && b.height() <= share * size[1]
 }

@@ -1,4 +1,5 @@
-//! Stroked lines of a periodic page, and which of them come back on others at the opposite border.
+//! Stroked lines of a periodic page, and the test whether a line that leaves the page continues on lines at
+//! the opposite border.
 
 use super::clip::page;
 use super::paint::DrawnPaint;
@@ -10,14 +11,14 @@ use vtex_base::geometry::{BezPath, PathEl, Point, wrapped};
 
 /// Cells along a side of the page.
 const CELLS: f64 = 128.0;
-/// Cells beyond the page that are looked at.
+/// Cells beyond the page that are included.
 const BEYOND: i64 = 2;
 /// Largest distance of a line from a drawn one that it repeats, in widths of its stroke.
 const NEAR: f64 = 0.2;
 /// Finest steps along lines, as a share of the page's larger side.
 const FINEST: f64 = 3e-4;
 /// Most steps along lines that are stored, and most comparisons of a place with a line. Beyond these no line
-/// is seen to go on.
+/// counts as continued.
 const MOST_STEPS: usize = 20_000_000;
 const MOST_COMPARED: usize = 30_000_000;
 
@@ -29,7 +30,7 @@ pub(super) struct Lines<'a> {
     /// The lines and their pieces.
     lines: Vec<(Line, usize)>,
     cells: BTreeMap<[i64; 2], Vec<u32>>,
-    /// Steps and comparisons left.
+    /// Remaining steps and comparisons.
     steps: usize,
     left: usize,
 }
@@ -81,8 +82,8 @@ impl<'a> Lines<'a> {
         [p.x, p.y].map(|v| libm::floor(v / self.cell) as i64)
     }
 
-    /// Whether a stroked piece that leaves the page comes back at the other side on lines of its own
-    /// paint, so that its copies draw what the page shows.
+    /// Whether a stroked piece that leaves the page coincides at the other side with lines of its own paint,
+    /// so that its copies draw the same picture as the page.
     pub(super) fn go_on(&mut self, piece: &DrawingPiece) -> bool {
         let Some((path, stroke, paint)) = stroked(piece) else { return false };
         let step = self.step(stroke);
@@ -96,7 +97,8 @@ impl<'a> Lines<'a> {
         found
     }
 
-    /// Whether a line of a paint is drawn within `reach` of a place, brought back to the page.
+    /// Whether a line of a paint is drawn within `reach` of a place, after the place is wrapped onto the
+    /// page.
     fn is_drawn(&mut self, p: Point, reach: f64, paint: &DrawnPaint) -> bool {
         let p = Point::new(wrapped(p.x, Some(self.size[0])), wrapped(p.y, Some(self.size[1])));
         let [x, y] = self.cell_of(p);
@@ -123,7 +125,7 @@ impl<'a> Lines<'a> {
     }
 }
 
-/// The line, stroke and paint of a piece that is nothing else.
+/// The line, stroke and paint of a piece that is a single stroked line.
 fn stroked(piece: &DrawingPiece) -> Option<(&BezPath, &DrawnStroke, &DrawnPaint)> {
     match &piece.parts[..] {
         [PieceShape { path, paint, stroke: Some(stroke) }] => Some((path, stroke, paint)),

@@ -1,8 +1,9 @@
 //! Drawing → library: an SVG read as elements in layers.
 //!
 //! The stages, in order: shapes of the page ([`read`]), connected pieces of compound paths ([`pieces`]),
-//! pieces made whole across the borders of a periodic page ([`torus`]), what touches what
-//! (`vtex_base::raster::contact`), which pieces are one element ([`elements`]), and the library of it ([`assemble`]).
+//! pieces made whole across the borders of a periodic page ([`torus`]), contacts of pieces
+//! (`vtex_base::raster::contact`), division of pieces into elements ([`elements`]), and the library of it
+//! ([`assemble`]).
 //!
 //! A library has the units of the drawing's page. Its maps have a whole number of pixels for each of them, so
 //! that the shorter side of the page has at least 200 px and the median piece at least eight cells of the
@@ -42,8 +43,8 @@ use vtex_scene::library::{AnalyzeParams, Library};
 /// How a drawing is read.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ImportParams {
-    /// Whether opposite borders of the page join. `None` (the default): where they are seen to. What
-    /// `analyze` says of it has no effect.
+    /// Whether opposite borders of the page join. `None` (the default): tested on the picture. The field of
+    /// `analyze` has no effect.
     pub wrap: Option<bool>,
     /// Of these `elements`, `lenient`, `categories` and `descriptor_reach` have an effect.
     pub analyze: AnalyzeParams,
@@ -82,7 +83,7 @@ pub fn import(bytes: &[u8], name: &str, params: &ImportParams, progress: &dyn Pr
     pieces.retain(|p| !p.parts.is_empty());
     let found = pieces.len();
     let (background, pieces) = assemble::background(&page, pieces);
-    // Very many beneath the background are not worth the time of drawing them.
+    // A drawing with very many shapes beneath the background is not drawn with them, to save time.
     page.lacks |= found - pieces.len() > MOST_BENEATH;
     let scale = assemble::scale(&page, &pieces, name)?;
     let picture = picture::picture(&page, (background, &pieces), scale)
@@ -128,13 +129,13 @@ pub fn drawn(bytes: &[u8], name: &str, [width, height]: [u32; 2]) -> Result<Vec<
     Ok(shapes)
 }
 
-/// Most shapes beneath the background that are drawn to look at the page.
+/// Most shapes beneath the background that are drawn for the picture of the page.
 const MOST_BENEATH: usize = 1000;
-/// Fewest whole pieces of a page that need not be repeated as it is.
+/// Number of whole pieces from which a page is not repeated as a whole.
 const FEWEST: usize = 8;
 
-/// Whether a page whose borders do not join is repeated all the same, because too little on it is whole;
-/// and what is said of it.
+/// Whether a page whose borders do not join is repeated nevertheless, because too few of its pieces are
+/// whole; and the warning about it.
 fn repeated_anyway(page: &read::DrawingPage, pieces: &[pieces::DrawingPiece]) -> (bool, Option<String>) {
     let inside = clip::page(page.size);
     let whole = pieces.iter().filter(|p| inside.contains_rect(p.bounds())).count();

@@ -1,7 +1,7 @@
-//! Disjoint sets on a torus: things that belong together, each a number of periods away from the others.
+//! Disjoint sets on a torus: members that belong together, each shifted by a number of periods.
 //!
-//! A set that meets itself a period away runs on without end. In a library it is `clipped`, though the
-//! arrangement is periodic, and never moved.
+//! A set that meets itself a period away is endless. In a library it is `clipped`, though the arrangement is
+//! periodic, and never moved.
 
 pub(super) use vtex_base::raster::contact::{Shift, minus};
 
@@ -15,7 +15,7 @@ pub(super) fn plus(a: Shift, b: Shift) -> Shift {
 pub(super) struct Offsets {
     parent: Vec<usize>,
     shift: Vec<Shift>,
-    /// Whether a set meets itself a period away, so that it runs on without end.
+    /// Whether a set is endless: it meets itself a period away.
     endless: Vec<bool>,
 }
 
@@ -24,7 +24,7 @@ impl Offsets {
         Self { parent: (0..count).collect(), shift: vec![[0; 2]; count], endless: vec![false; count] }
     }
 
-    /// The number that stands for the set of `i`, and the shift of `i` relative to it.
+    /// The representative of the set of `i`, and the shift of `i` relative to it.
     pub(super) fn find(&self, mut i: usize) -> (usize, Shift) {
         let mut shift = [0; 2];
         while self.parent[i] != i {
@@ -34,14 +34,14 @@ impl Offsets {
         (i, shift)
     }
 
-    /// Notes that `b`, moved by `shift`, belongs to `a`.
+    /// Joins the sets of `a` and of `b`, with `b` moved by `shift`.
     pub(super) fn join(&mut self, a: usize, b: usize, shift: Shift) {
         let ((first, own), (second, other)) = (self.find(a), self.find(b));
-        // Paths to those that stand for sets stay short.
+        // Keeps the paths to representatives short.
         for (i, root, shift) in [(a, first, own), (b, second, other)] {
             (self.parent[i], self.shift[i]) = (root, shift);
         }
-        // In the frame of the first: b stands at own + shift.
+        // In the frame of the first: b is at own + shift.
         let between = plus(plus(own, shift), minus(other));
         if first == second {
             self.endless[first] |= between != [0; 2];
@@ -54,13 +54,13 @@ impl Offsets {
         self.endless[root] |= self.endless[child];
     }
 
-    /// Notes that the set of `i` runs on without end.
+    /// Marks the set of `i` as endless.
     pub(super) fn set_endless(&mut self, i: usize) {
         let root = self.find(i).0;
         self.endless[root] = true;
     }
 
-    /// Whether the set of `i` runs on without end.
+    /// Whether the set of `i` is endless.
     pub(super) fn is_endless(&self, i: usize) -> bool {
         self.endless[self.find(i).0]
     }

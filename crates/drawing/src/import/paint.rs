@@ -15,7 +15,7 @@ pub(super) struct DrawnPaint {
     pub(super) opacity: f64,
 }
 
-/// A paint on the page, and what was changed about it; `None` for a pattern.
+/// A paint on the page, and a description of what was changed in it; `None` for a pattern.
 pub(super) fn paint(
     paint: &usvg::Paint,
     opacity: f64,
@@ -71,7 +71,7 @@ fn linear(from: Point, to: Point, map: Affine) -> Option<[Point; 2]> {
     if length <= 0.0 || det == 0.0 {
         return None;
     }
-    // The gradient of the share of the way, carried by the inverse transpose.
+    // The gradient of the offset, mapped by the inverse transpose.
     let g = along / length;
     let g = Vec2::new((d * g.x - b * g.y) / det, (a * g.y - c * g.x) / det);
     let from = map * from;

@@ -2,14 +2,14 @@
 
 use image::RgbImage;
 
-/// Largest share of what is seen at the borders that does not go on at the opposite ones.
+/// Largest share of the contrast at the borders that does not continue at the opposite ones.
 const LOOSE: f64 = 0.5;
-/// Pixels by which a line that crosses a border may be moved along it: it may be slanted.
+/// Largest shift along a border of a line that crosses it, in pixels, because lines may be slanted.
 const SLANT: i64 = 3;
 /// Least contrast assumed at an empty border, in 8-bit steps.
 const LEAST: f64 = 0.5;
 
-/// Whether opposite borders continue each other. Pictures with nothing at their borders are periodic too.
+/// Whether opposite borders continue each other. Pictures with empty borders are periodic too.
 pub(super) fn is_periodic(picture: &RgbImage) -> bool {
     let median = median(picture);
     let [across_x, across_y] = [true, false].map(|axis| border(picture, axis, median));
@@ -17,7 +17,7 @@ pub(super) fn is_periodic(picture: &RgbImage) -> bool {
     off <= LOOSE * seen.max(LEAST * f64::from(picture.width() + picture.height()))
 }
 
-/// The commonest value of each component, about: the background.
+/// The median of each component, an estimate of the background.
 fn median(picture: &RgbImage) -> [u8; 3] {
     [0, 1, 2].map(|k| {
         let mut counts = [0u64; 256];
@@ -59,7 +59,7 @@ mod tests {
 
     #[test]
     fn borders_that_go_on_join() {
-        // Slanted bands that return to themselves after the width, or are out of step there.
+        // Slanted bands whose period fits the width, or does not.
         let of = |periods: f64| {
             RgbImage::from_fn(120, 80, |x, y| {
                 let phase = f64::from(x) / 120.0 * periods + f64::from(y) / 80.0;

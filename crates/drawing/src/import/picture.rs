@@ -10,11 +10,11 @@ use vtex_base::geometry::Affine;
 use vtex_base::raster::colour::Colour;
 use vtex_scene::scene::pixels;
 
-/// Samples along each side of a pixel, where resvg does not draw.
+/// Samples along each side of a pixel when the picture is drawn from pieces.
 const SAMPLES: u32 = 2;
 
-/// The drawing over white, as resvg draws it. Where something was left out, it is drawn from the pieces
-/// that are left, gradients in their mean colour.
+/// The drawing over white, drawn by resvg. If parts were left out, it is drawn from the remaining pieces,
+/// with gradients in their mean colour.
 ///
 /// # Errors
 /// As [`svg_tree::draw`].

@@ -9,14 +9,14 @@ use super::read::{DrawnFill, DrawnShape, DrawnStroke};
 use kurbo::{ParamCurve, PathSeg, Shape as _};
 use vtex_base::geometry::{BezPath, Point, Rect, is_simple};
 
-/// Rings of a path above which it is not taken apart.
+/// Number of rings above which a path is not divided.
 const MOST_RINGS: usize = 5_000;
 
-/// A part of the drawing that is never taken apart: fill and stroke of one connected path, or the two
-/// halves of one that was cut by the border of the page.
+/// A part of the drawing that is never divided: fill and stroke of one connected path, or the two halves of
+/// one that was cut by the border of the page.
 #[derive(Clone)]
 pub(super) struct DrawingPiece {
-    /// What is painted, in order. Coordinates are those of the page.
+    /// The painted shapes, in order. Coordinates are those of the page.
     pub(super) parts: Vec<PieceShape>,
     /// Index of its item.
     pub(super) item: usize,
@@ -43,7 +43,7 @@ impl PieceShape {
 }
 
 impl DrawingPiece {
-    /// Area that all parts may cover at most.
+    /// Upper bound of the area of all parts.
     pub(super) fn reach(&self) -> f64 {
         let lengths = |path: &BezPath| -> f64 { path.segments().map(|s| polygon(&s)).sum() };
         let area = |part: &PieceShape| {
@@ -93,7 +93,7 @@ fn subpaths(path: &BezPath) -> Vec<BezPath> {
     split.map(|elements| BezPath::from_vec(elements.to_vec())).filter(|p| p.elements().len() > 1).collect()
 }
 
-/// Some places on a ring, each with the length that it stands for.
+/// Sample points of a ring, each with the length that it represents.
 fn places(ring: &BezPath) -> Vec<(Point, f64)> {
     let mut all: Vec<(Point, f64)> =
         ring.segments().map(|s| (s.eval(0.5), s.start().distance(s.end()))).collect();
@@ -114,7 +114,7 @@ struct PathRing {
 }
 
 /// The connected pieces of a filled path: outer rings with what lies inside. Filled by the non-zero rule,
-/// they look as the path does by its own.
+/// they cover the same area as the path by its own rule.
 fn filled(path: &BezPath, fill: &DrawnFill, split: bool) -> Vec<BezPath> {
     let mut all: Vec<PathRing> = subpaths(path)
         .into_iter()
@@ -134,7 +134,7 @@ fn filled(path: &BezPath, fill: &DrawnFill, split: bool) -> Vec<BezPath> {
             let ring = &all[k];
             let near = ring.bounds.overlaps(all[i].bounds);
             let inside = |p: Point| ring.bounds.contains(p) && ring.path.contains(p);
-            // Some places may lie on the ring itself.
+            // Some samples may lie on the ring itself.
             let sum = |all: bool| {
                 let counted = places.iter().filter(|(p, _)| all || inside(*p));
                 counted.map(|(_, length)| length).sum::<f64>()
@@ -147,7 +147,7 @@ fn filled(path: &BezPath, fill: &DrawnFill, split: bool) -> Vec<BezPath> {
             }
         }
     }
-    // What crosses itself means other areas by each rule, or where it is taken apart.
+    // A self-crossing path covers other areas under another rule, or if it is divided.
     let delicate = (fill.even_odd || fill.paint.opacity < 1.0) && !is_simple(path);
     let turned = |ring: &PathRing, outer: f64| {
         let wanted = if fill.even_odd && !delicate {

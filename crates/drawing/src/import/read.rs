@@ -1,6 +1,6 @@
 //! SVG → items: every visible shape of the page, with its paint, group and layer.
 //!
-//! What has no place in the model is an error that names the element, or is left out and counted.
+//! Unsupported parts are errors that name the element, or are left out and counted.
 
 use super::clip::{self, Clip};
 use super::paint::{self, DrawnPaint};
@@ -38,11 +38,11 @@ pub(super) struct DrawingPage {
     pub(super) items: Vec<DrawnShape>,
     /// Its groups, each after those that hold it.
     pub(super) groups: Vec<ShapeGroup>,
-    /// Names of its layers, bottom first; the first is for what lies in none.
+    /// Names of its layers, bottom first; the first is for shapes outside of all layers.
     pub(super) layers: Vec<String>,
-    /// One sentence for each kind of thing that was changed or left out.
+    /// One sentence for each kind of part that was changed or left out.
     pub(super) warnings: Vec<String>,
-    /// Whether something was left out that the tree shows.
+    /// Whether parts were left out that the tree contains.
     pub(super) lacks: bool,
     /// The drawing itself.
     pub(super) tree: usvg::Tree,
@@ -84,7 +84,7 @@ pub(super) struct DrawnStroke {
     pub(super) dash_offset: f64,
 }
 
-/// Reads a drawing. What cannot be read is an error, or is left out and counted if `lenient`.
+/// Reads a drawing. Unsupported parts are errors, or are left out and counted if `lenient`.
 pub(super) fn read(bytes: &[u8], name: &str, lenient: bool, progress: &dyn Progress) -> Result<DrawingPage> {
     let fail = |found: svg_tree::SvgFault| fault(name, found.reason, found.advice);
     let text = svg_tree::text(bytes, name, fail)?;
@@ -156,10 +156,10 @@ struct DrawingReader<'a, 'd> {
     segments: usize,
     groups: Vec<ShapeGroup>,
     layers: Vec<String>,
-    /// Names of the layers, and the next number for each title that several have.
+    /// Names of the layers that are in use, and the next number of each title that occurs several times.
     taken: BTreeSet<String>,
     numbers: BTreeMap<String, usize>,
-    /// What was changed or left out, and how often.
+    /// Descriptions of what was changed or left out, with counts.
     counts: BTreeMap<&'static str, usize>,
     lacks: bool,
 }
@@ -206,7 +206,7 @@ impl<'a, 'd> DrawingReader<'a, 'd> {
         *self.counts.entry(what).or_default() += 1;
     }
 
-    /// Leaves something out, or fails if nothing may be.
+    /// Leaves a part out, or fails unless `lenient`.
     fn unreadable(&mut self, id: &str, what: &'static str, counted: &'static str) -> Result<()> {
         if self.lenient {
             self.count(counted);

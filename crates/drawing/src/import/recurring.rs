@@ -1,4 +1,4 @@
-//! Contacts that recur: shapes of different colours that always come together, at the same relative place.
+//! Recurring contacts: shapes of different colours that always occur together, at the same relative place.
 
 use super::elements::PieceProperties;
 use super::offsets::Offsets;
@@ -19,8 +19,8 @@ struct Touch {
     relative: Affine,
 }
 
-/// The pairs of pieces of one layer, not of one set yet, that touch as others do: everywhere one kind of shape
-/// is, the other is at the same place beside it, at least twice.
+/// The pairs of pieces of one layer, not yet of one set, whose contact recurs: wherever one kind of shape
+/// occurs, the other is at the same relative place, at least twice.
 pub(super) fn recurring(
     known: &PieceProperties<'_>,
     shapes: &[Vec<Shape>],
@@ -60,7 +60,7 @@ pub(super) fn recurring(
     found
 }
 
-/// Contacts of two kinds of shapes, those at one relative place together; `bounds` are those of the second.
+/// Contacts of two kinds of shapes, grouped by relative place; `bounds` are those of the second.
 fn by_place(touches: Vec<Touch>, bounds: Rect) -> Vec<Vec<Touch>> {
     let corners = [(bounds.x0, bounds.y0), (bounds.x1, bounds.y0), (bounds.x0, bounds.y1)].map(Point::from);
     let mut groups: Vec<Vec<Touch>> = Vec::new();
@@ -68,7 +68,7 @@ fn by_place(touches: Vec<Touch>, bounds: Rect) -> Vec<Vec<Touch>> {
         let same = |other: &Touch| {
             corners.iter().all(|&p| (touch.relative * p).distance(other.relative * p) <= 4.0 * EQUAL)
         };
-        // Of very many places only the first are told apart.
+        // Only the first of very many places are distinguished.
         match groups.iter().take(64).position(|group| same(&group[0])) {
             Some(k) => groups[k].push(touch),
             None => groups.push(vec![touch]),

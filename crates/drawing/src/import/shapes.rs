@@ -7,8 +7,8 @@ use resvg::usvg::{LineCap, LineJoin};
 use vtex_base::geometry::{Affine, BezPath, Curve, Outline, PathEl, Point, STEP};
 use vtex_scene::element::{Cap, Join, Line, Shape};
 
-/// The shapes of a piece in pixels of the library; `map` leads there from the page. Parts that vanish are
-/// left out.
+/// The shapes of a piece in pixels of the library; `map` is the map from the page. Parts that vanish are left
+/// out.
 pub(super) fn shapes(piece: &DrawingPiece, map: Affine) -> Vec<Shape> {
     piece.parts.iter().filter_map(|part| shape(part, map)).collect()
 }
@@ -67,7 +67,7 @@ pub(super) fn line(path: &BezPath, stroke: &DrawnStroke, size: f64) -> Option<Li
     })
 }
 
-/// Whether a part paints an area of the page at all.
+/// Whether a part paints any area of the page.
 pub(super) fn is_visible(part: &PieceShape) -> bool {
     let opaque = part.paint.opacity > 0.0;
     opaque && (part.stroke.is_some() || part.path.area() != 0.0 || part.path.bounding_box().area() > 0.0)

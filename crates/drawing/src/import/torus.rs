@@ -11,9 +11,9 @@ use kurbo::{PathSeg, Shape as _};
 use std::collections::BTreeMap;
 use vtex_base::geometry::{Affine, BezPath, Point, Rect, Vec2};
 
-/// Largest distance of places that are meant to be one, as a share of the page's larger side.
+/// Largest distance of places that count as equal, as a share of the page's larger side.
 const SAME: f64 = 1.5e-3;
-/// Largest distance of a place from the border that it is meant to be on, likewise.
+/// Largest distance of a place that counts as on a border, likewise.
 const ON_BORDER: f64 = 3e-4;
 /// Largest difference in area of two copies, as a share.
 const AREA: f64 = 0.02;
@@ -22,8 +22,7 @@ const MOST: usize = 4_000;
 /// Most stretches at one place of a border that are compared with one another.
 const MOST_AT_ONCE: usize = 64;
 
-/// Largest share of a piece that sticks out of the page because its author forgot to draw it on the other
-/// side too.
+/// Largest share of a piece outside the page whose author forgot to draw the copy at the other side.
 const FORGOTTEN: f64 = 0.3;
 
 /// A page whose opposite borders join.
@@ -87,8 +86,8 @@ impl Torus {
         b.x0 < -near || b.y0 < -near || b.x1 > self.size[0] + near || b.y1 > self.size[1] + near
     }
 
-    /// Leaves out the copies of pieces that are drawn at several borders. Gives for each that is left
-    /// whether it had one.
+    /// Leaves out the copies of pieces that are drawn at several borders. Also returns for each remaining
+    /// piece whether it had a copy.
     fn once(&self, pieces: Vec<DrawingPiece>) -> (Vec<DrawingPiece>, Vec<bool>) {
         let bounds: Vec<Rect> = pieces.iter().map(DrawingPiece::bounds).collect();
         let outside: Vec<usize> = (0..pieces.len()).filter(|&i| self.sticks_out(&bounds[i])).collect();
@@ -121,8 +120,8 @@ impl Torus {
         kept.map(|(kept, _)| kept).unzip()
     }
 
-    /// Whether a piece sticks out by a little and was not drawn at the other side: nothing of its paint
-    /// is there. Its author forgot the copy.
+    /// Whether a small part of a piece lies outside the page and its copy is missing: no shape of its paint
+    /// is at the other side.
     fn is_forgotten(&self, k: usize, all: &[DrawingPiece], bounds: &[Rect]) -> bool {
         let b = bounds[k];
         let over = [-b.x0, b.x1 - self.size[0], -b.y0, b.y1 - self.size[1]];
@@ -183,8 +182,8 @@ impl Torus {
         })
     }
 
-    /// The stretches of a ring away from the borders; none at all if it does not touch them, `None` if
-    /// it never leaves them.
+    /// The stretches of a ring away from the borders; empty if it does not touch them, `None` if it never
+    /// leaves them.
     fn chains(&self, ring: &[PathSeg]) -> Option<Vec<(Vec<PathSeg>, [PageBorder; 2])>> {
         let borders: Vec<Option<PageBorder>> = ring.iter().map(|s| self.border(s)).collect();
         let Some(first) = borders.iter().position(Option::is_some) else { return Some(Vec::new()) };
@@ -210,9 +209,9 @@ impl Torus {
         Some(found)
     }
 
-    /// For each chain the one that goes on at the opposite border, and its shift.
+    /// For each chain, the one that continues it at the opposite border, and its shift.
     fn links(&self, chains: &[Chain], pieces: &[DrawingPiece]) -> Vec<Option<(usize, Shift)>> {
-        // Chains that are still free, by where on which border they begin.
+        // Chains that are still free, by border and place of their beginnings.
         let place = |border: PageBorder, p: Point| {
             let along = if border.axis == 0 { p.y } else { p.x };
             (border.axis, border.far, libm::floor(along / self.same) as i64)
@@ -236,7 +235,7 @@ impl Torus {
             };
             let (axis, far, at) = place(PageBorder { far: !border.far, ..border }, end);
             let near = (at - 1..=at + 1).filter_map(|at| free.get(&(axis, far, at)));
-            // Of very many at one place only some are compared.
+            // Only some of very many at one place are compared.
             let near = near.flat_map(|there| there.iter().take(MOST_AT_ONCE));
             let near = near.filter_map(|&k| Some((distance(k)?, k)));
             let best = near.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
@@ -251,7 +250,7 @@ impl Torus {
         next
     }
 
-    /// The pieces, those of each set that closes joined to one.
+    /// The pieces, with the pieces of each closed set joined to one.
     fn rebuilt(
         &self,
         pieces: &[DrawingPiece],
@@ -263,7 +262,7 @@ impl Torus {
         chains.iter().for_each(|c| cut[c.piece] = true);
         let joined = |k: usize| cut[k] && !sets.is_endless(k);
         let mut paths: Vec<BezPath> = vec![BezPath::new(); pieces.len()];
-        // Rings away from the borders come along with their piece.
+        // Rings away from the borders stay with their piece.
         for (k, piece) in pieces.iter().enumerate().filter(|(k, _)| joined(*k)) {
             let (root, shift) = sets.find(k);
             for ring in segments(&piece.parts[0].path) {
@@ -301,7 +300,7 @@ impl Torus {
         whole
     }
 
-    /// Moves what lies on a border beyond it by `by`, so that copies side by side leave no gap.
+    /// Moves points on a border beyond it by `by`, so that adjacent copies leave no gap.
     pub(super) fn widened(&self, path: &BezPath, by: f64) -> BezPath {
         let mut out = BezPath::new();
         for ring in segments(path) {
@@ -338,7 +337,7 @@ impl Torus {
     }
 }
 
-/// Whether two pieces are painted alike.
+/// Whether two pieces have the same paint.
 fn alike(a: &DrawingPiece, b: &DrawingPiece) -> bool {
     let same = |(p, q): (&PieceShape, &PieceShape)| {
         let plain = p.paint.gradient.is_some() == q.paint.gradient.is_some();
@@ -380,7 +379,7 @@ fn closed(ring: &[PathSeg]) -> BezPath {
     path
 }
 
-/// A ring in which lines that go on straight are one.
+/// A ring in which consecutive lines of one direction are joined.
 fn straightened(ring: Vec<PathSeg>, within: f64) -> Vec<PathSeg> {
     let mut out: Vec<PathSeg> = Vec::with_capacity(ring.len());
     let on_one_line = |a: Point, b: Point, c: Point| {

@@ -1,6 +1,6 @@
 //! Estimates the cost of parsing an SVG beforehand.
 //!
-//! The parser cannot be interrupted, and a few bytes can ask for hours: it tries each rule of the style sheets
+//! The parser cannot be interrupted, and a few bytes can take hours: it tries each rule of the style sheets
 //! at each element, follows references within references, and reads path data by recursion.
 
 use super::SvgFault;
@@ -9,11 +9,11 @@ use simplecss::{AttributeOperator, Element, PseudoClass, StyleSheet};
 use std::cell::Cell;
 use std::collections::HashMap;
 
-/// Steps that are allowed: some two seconds here, and as many in the parser.
+/// Number of allowed steps: some two seconds here, and as long in the parser.
 const MOST_STEPS: u64 = 200_000_000;
-/// Steps of a declaration of a style.
+/// Number of steps for a declaration of a style.
 const DECLARATION: u64 = 20;
-/// Characters of a style for a step, where the parser counts the lines up to a place, on average half way.
+/// Number of characters per step when the parser counts lines up to a place, which on average is half way.
 const CHARACTERS: u64 = 40;
 /// Most declarations of style sheets, those of a list of selectors counted for each.
 const MOST_DECLARATIONS: u64 = 20_000_000;
@@ -113,14 +113,15 @@ fn reading(style: &str) -> u64 {
     style.len() as u64 / 8 + style.len() as u64 * counts / CHARACTERS
 }
 
-/// An element that counts what is asked of it. Beyond [`MOST_STEPS`] nothing matches, so that the search ends.
+/// An element that counts the queries of the selector engine. Beyond [`MOST_STEPS`] no selector matches, so
+/// that the search ends.
 struct Counted<'a, 'd> {
     node: Node<'a, 'd>,
     steps: &'a Cell<u64>,
 }
 
 impl Counted<'_, '_> {
-    /// Counts steps; whether there are some left.
+    /// Counts steps. Returns whether any are left.
     fn count(&self, steps: u64) -> bool {
         self.steps.set(self.steps.get() + steps);
         self.steps.get() <= MOST_STEPS
@@ -155,8 +156,8 @@ impl Element for Counted<'_, '_> {
     }
 }
 
-/// Steps in which the parser looks for patterns, masks and the like that refer to themselves: for each, at
-/// all that its elements refer to.
+/// Number of steps in which the parser searches for patterns, masks and the like that refer to themselves: it
+/// follows all references within each.
 fn links_within_containers(document: &Document<'_>) -> u64 {
     const CONTAINERS: [&str; 5] = ["pattern", "mask", "clipPath", "filter", "marker"];
     let ids = ids(document);
@@ -212,8 +213,8 @@ pub fn referred<'a>(attribute: Attribute<'a, '_>) -> Vec<&'a str> {
     attribute.value().split("url(").skip(1).filter_map(id).collect()
 }
 
-/// Elements in each node with all links followed, which lead from one node to another by number, in
-/// the order of the nodes.
+/// Number of elements in each node with all links followed. A link leads from one node to another by number;
+/// links are in the order of the nodes.
 pub fn weights(document: &Document<'_>, links: &[(usize, usize)]) -> Vec<u64> {
     let nodes: Vec<Node<'_, '_>> = document.descendants().collect();
     let mut weights = vec![0; nodes.len()];

@@ -1,10 +1,10 @@
-//! The colours of an element, summed up.
+//! Statistics of the colours of an element.
 
 use super::Shape;
 use vtex_base::raster::colour::Colour;
 
-/// The distribution of the colours that an element shows, in Oklab, by area. Shapes painted later hide the
-/// first one; gradients count as their two ends, half each.
+/// The distribution of an element's visible colours, in Oklab, weighted by area. Shapes painted later hide
+/// the first one; gradients count as their two ends, half each.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Appearance {
     /// Median of each component.

@@ -1,19 +1,19 @@
 //! Elements as Gaussians: position, size and direction.
 //!
-//! Composable textons (Tu, dissertation, chapter 4) describe an element by the mean and the covariance of
-//! its pixels (equations 4.3 and 4.4) and a direction. For an outline both are exact. The canonical frame of
-//! an element is U^½ · R: its mean at the origin, its covariance the identity and its direction along x.
-//! What is drawn in it can be drawn in the frame of any other Gaussian. Instances carry the direction of
-//! their element along, so an element has the same frame wherever it stands, even if its shape is symmetric.
+//! Composable textons (Tu, dissertation, chapter 4) describe an element by the mean and the covariance of its
+//! pixels (equations 4.3 and 4.4) and a direction. For an outline both are exact. The canonical frame of an
+//! element is U^½ · R: its mean at the origin, its covariance the identity and its direction along x. Content
+//! drawn in it can be drawn in the frame of any other Gaussian. An instance keeps the direction of its
+//! element, so an element has the same frame at every place, even if its shape is symmetric.
 //!
 //! Degenerate Gaussians, not wider than a pixel or hundreds of times longer than wide, have no frame.
 //! Operations leave these elements as they are and count them.
 
 use vtex_base::geometry::{Affine, Moments, Outline, Point, SecondMoments, Vec2};
 
-/// Elements less elongated than this have no longer axis to speak of.
+/// Elongation below which an element has no distinct longer axis.
 pub const ROUND: f64 = 1.05;
-/// Third moments below this share of the cubed standard deviation say nothing of a direction.
+/// Third moments below this share of the cubed standard deviation define no direction.
 const SYMMETRIC: f64 = 1e-3;
 
 /// A Gaussian.
@@ -23,8 +23,8 @@ pub struct Gaussian {
     pub mean: Point,
     /// Its covariance xx, xy, yy, in pixels².
     pub covariance: [f64; 3],
-    /// Its direction, of unit length: along the longer axis, towards the longer tail. Of a round shape,
-    /// towards its longer tail alone.
+    /// Its direction, of unit length: along the longer axis, towards the longer tail. The direction of a
+    /// round shape depends only on its longer tail.
     pub direction: Vec2,
 }
 
@@ -58,8 +58,8 @@ impl Gaussian {
         Some(Self { mean: second.centroid, covariance: second.covariance, direction })
     }
 
-    /// The Gaussian of the shape mapped by `affine`. The direction is carried along, so that it is the
-    /// same for a shape wherever it is placed, even where the shape itself has none.
+    /// The Gaussian of the shape mapped by `affine`. The direction is mapped too, so that it is the same for
+    /// a shape at every place, even if the shape itself defines none.
     pub fn moved(&self, affine: Affine) -> Self {
         let [a, b, c, d, ..] = affine.as_coeffs();
         let Vec2 { x, y } = self.direction;
@@ -117,8 +117,8 @@ impl Gaussian {
         !(finite && short > Self::THINNEST && long < Self::LONGEST * short)
     }
 
-    /// The map from the canonical frame to where it stands: mean + U^½ · R, with U the covariance and R the
-    /// turn of the x axis to its direction.
+    /// The map from the canonical frame to the canvas: mean + U^½ · R, with U the covariance and R the
+    /// rotation of the x axis to its direction.
     pub fn frame(&self) -> Affine {
         let [xx, xy, yy] = self.covariance;
         // The root of a 2 × 2 matrix, by the theorem of Cayley and Hamilton.
@@ -130,7 +130,7 @@ impl Gaussian {
         Affine::new([p, q, q, r, self.mean.x, self.mean.y]) * turn
     }
 
-    /// The map that draws what stands in this Gaussian's frame in that of another.
+    /// The map from this Gaussian's frame to that of another.
     pub fn onto(&self, target: &Self) -> Affine {
         target.frame() * self.frame().inverse()
     }
@@ -140,7 +140,7 @@ impl Gaussian {
         libm::exp(-self.squared_distance(point - self.mean))
     }
 
-    /// The squared Mahalanobis distance of a point from the mean, given the way to it.
+    /// The squared Mahalanobis distance of a point from the mean, given its offset.
     pub fn squared_distance(&self, Vec2 { x, y }: Vec2) -> f64 {
         let [xx, xy, yy] = self.covariance;
         (yy * x * x - 2.0 * xy * x * y + xx * y * y) / (xx * yy - xy * xy)
@@ -188,7 +188,7 @@ mod tests {
             let pairs = found.covariance.iter().zip(target.covariance);
             assert!(pairs.clone().all(|(a, b)| (a - b).abs() < 1e-3 * size), "{text}");
             assert!(found.mean.distance(target.mean) < 0.02);
-            // And its own frame is the unit.
+            // The Gaussian mapped by its own inverse frame is the canonical one.
             let unit = source.moved(source.frame().inverse());
             assert!((unit.covariance[0] - 1.0).abs() < 1e-9 && unit.covariance[1].abs() < 1e-9);
             assert!((unit.direction - Vec2::new(1.0, 0.0)).hypot2() < 1e-9 || unit.deviations()[0] < 1.001);

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use vtex_base::geometry::{Affine, Point};
 use vtex_base::raster::colour::Colour;
 
-/// A gradient in sRGB components, as in SVG: `start` up to where it begins, `end` beyond where it ends,
+/// A gradient in sRGB components, as in SVG: `start` before its first point, `end` after its last point,
 /// linear between these and the stops between them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
@@ -55,7 +55,7 @@ impl GradientKind {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Stop {
-    /// Share of the way from where the gradient begins to where it ends, 0 to 1.
+    /// Offset from the first to the last point of the gradient, 0 to 1.
     pub offset: f64,
     /// The colour there.
     pub colour: Colour,
@@ -100,7 +100,7 @@ impl Gradient {
         self.carried(|p| affine * p)
     }
 
-    /// The gradient of a shape drawn by any map; `None` if nothing that can be stored is left of it.
+    /// The gradient of a shape drawn by any map; `None` if the result cannot be stored.
     pub fn drawn(&self, map: Affine) -> Option<Box<Self>> {
         let moved = self.moved(map);
         moved.fault().is_none().then(|| Box::new(moved))

@@ -23,7 +23,7 @@ pub struct Line {
     /// Largest length of a mitre, in widths; longer ones are bevelled. From 1. Default 4.
     #[serde(default = "miter_limit", skip_serializing_if = "is_miter_limit")]
     pub miter_limit: f64,
-    /// Lengths of dashes and gaps in turn, each from 0; none for a line without gaps.
+    /// Alternating lengths of dashes and gaps, each from 0; empty for a line without gaps.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub dashes: Vec<f64>,
     /// Length along the dashes at which the path begins.

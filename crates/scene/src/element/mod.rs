@@ -1,7 +1,7 @@
 //! Elements: what libraries and scenes are made of, a texton of a photograph or a motif of a drawing.
 //!
-//! An element is a list of shapes in painting order. Libraries and scenes share the shapes; what they
-//! know of an element besides differs ([`crate::library::ExemplarElement`], [`crate::scene::Element`]).
+//! An element is a list of shapes in painting order. Libraries and scenes share the shapes; their other data
+//! on an element differ ([`crate::library::ExemplarElement`], [`crate::scene::Element`]).
 
 mod appearance;
 mod gaussian;
@@ -58,12 +58,12 @@ impl CategoryId {
         self.0.into()
     }
 
-    /// The number that people know it by, counted from 1.
+    /// The number shown to people, counted from 1.
     pub fn number(self) -> u32 {
         u32::from(self.0) + 1
     }
 
-    /// Writes its number instead of the index, for what people read.
+    /// Writes its number instead of the index, for output to people.
     pub fn serialize_number<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.serialize_u32(self.number())
     }
@@ -76,7 +76,7 @@ impl std::fmt::Display for CategoryId {
     }
 }
 
-/// The role of a layer: what its elements are to the texture, and so how they are treated.
+/// The role of a layer: the function of its elements in the texture, which determines how they are treated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
@@ -100,15 +100,15 @@ impl Role {
         }
     }
 
-    /// Whether each element counts as a thing of its own: it is written as a group with an id, and a
-    /// domain may keep it whole. Other layers are textures of many small elements.
+    /// Whether each element is individual: it is written as a group with an id, and a domain may keep it
+    /// whole. Other layers are textures of many small elements.
     pub fn is_individual(self) -> bool {
         self == Self::Primary
     }
 }
 
-/// Reads the shapes of an element. Most elements have one, and a list that grows step by step would take
-/// room for four.
+/// Reads the shapes of an element. Most elements have one shape, and a list that grows by default would
+/// reserve memory for four.
 pub(crate) fn deserialize_shapes<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Shape>, D::Error> {
     struct ShapesVisitor;
 

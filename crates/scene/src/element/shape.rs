@@ -10,8 +10,8 @@ use vtex_base::raster::colour::Colour;
 
 /// A shape of an element: a filled outline, or a stroked path.
 ///
-/// A stroked path is stored as its line; its outline, the area that the stroke paints, is derived when
-/// it is read, so that whatever looks at shapes sees outlines only.
+/// A stroked path is stored as its line; its outline, the area that the stroke paints, is derived when it is
+/// read, so that all other code handles outlines only.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(try_from = "StoredShape")]
@@ -107,8 +107,8 @@ impl Shape {
         Some(Self { line: Some(Box::new(line)), ..Self::new(outline, colour) })
     }
 
-    /// The shape with a map that preserves angles applied. The outline stays as it was where the map
-    /// leads beyond ±10⁷ pixels.
+    /// The shape with a map that preserves angles applied. The outline stays unchanged if the map leads
+    /// beyond ±10⁷ pixels.
     pub fn moved(&self, affine: Affine) -> Self {
         Self {
             outline: self.outline.moved(affine),

@@ -1,4 +1,4 @@
-//! Shapes that are alike up to rotation, reflection and size.
+//! Shapes that are equal up to rotation, reflection and size.
 
 use super::Shape;
 use std::collections::BTreeMap;
@@ -7,9 +7,8 @@ use vtex_base::geometry::{Affine, BezPath, PathEl, Point};
 /// Most points of a ring of straight lines that is compared with another from each of its points.
 const MOST_STARTS: usize = 64;
 
-/// The map that preserves angles and carries one list of shapes to another, painted alike, to within
-/// `tolerance` pixels; `None` if there is none. Gradients are not compared: shapes with them are never
-/// alike.
+/// The angle-preserving map from one list of shapes to another with the same paints, exact to `tolerance`
+/// pixels; `None` if there is none. Gradients are not compared: shapes with gradients are never similar.
 fn similarity(from: &[Shape], to: &[Shape], tolerance: f64) -> Option<Affine> {
     let paint = |(a, b): (&Shape, &Shape)| {
         let plain = a.gradient.is_none() && b.gradient.is_none();
@@ -26,7 +25,7 @@ fn similarity(from: &[Shape], to: &[Shape], tolerance: f64) -> Option<Affine> {
         return None;
     }
     let p: Vec<Point> = p.concat();
-    // A single ring of lines may begin anywhere.
+    // A single ring of lines may begin at any of its points.
     let starts = match &q[..] {
         [ring] if ring.len() <= MOST_STARTS && lines_only(&to[0]) => ring.len(),
         _ => 1,
@@ -43,8 +42,8 @@ fn similarity(from: &[Shape], to: &[Shape], tolerance: f64) -> Option<Affine> {
     found.filter(|map| lines_fit(from, to, *map, tolerance))
 }
 
-/// For each list of shapes the first that is similar to it, and the map from that one. Lists of different
-/// `kinds` are never similar.
+/// For each list of shapes, the first similar one, and the map from that one. Lists of different `kinds` are
+/// never similar.
 pub fn classes<'a, K: Ord>(
     count: usize,
     shapes: impl Fn(usize) -> &'a [Shape],
@@ -59,7 +58,7 @@ pub fn classes<'a, K: Ord>(
         let length: usize = own.iter().map(|s| s.outline.path().elements().len()).sum();
         let colour = own.first().map(|s| s.colour.0);
         let known = firsts.entry((own.len(), length, colour, kinds(k))).or_default();
-        // Of the many alike only some are compared.
+        // Only some of many similar lists are compared.
         let near = known.iter().rev().take(64).copied();
         let mut near = near.filter(|&first| may_be_similar(sketches[first], sketches[k], tolerance));
         let like = near.find_map(|first| Some((first, similarity(shapes(first), own, tolerance)?)));
@@ -83,7 +82,7 @@ fn sketch(shapes: &[Shape]) -> [f64; 2] {
     [if mean > 0.0 { square / mean } else { 1.0 }, mean]
 }
 
-/// Whether sketches leave it open that shapes are similar: each point may be off by the tolerance.
+/// Whether shapes with these sketches can be similar: each point may deviate by the tolerance.
 fn may_be_similar(a: [f64; 2], b: [f64; 2], tolerance: f64) -> bool {
     let off = 6.0 * tolerance / a[1].min(b[1]).max(1e-9);
     (a[0] - b[0]).abs() <= off + 1e-9
@@ -125,8 +124,8 @@ fn lines_only(shape: &Shape) -> bool {
     shape.line.is_none() && shape.outline.path().elements().iter().all(straight)
 }
 
-/// The least squares map from points to points, if all come near. As complex numbers it is
-/// z ↦ a·z + b, or a·z̄ + b if mirrored.
+/// The least squares map from points to points, if all deviate by at most the tolerance. As complex numbers
+/// it is z ↦ a·z + b, or a·z̄ + b if mirrored.
 fn fitted(p: &[Point], q: &[Point], mirrored: bool, tolerance: f64) -> Option<Affine> {
     let n = p.len() as f64;
     let mean = |v: &[Point]| {

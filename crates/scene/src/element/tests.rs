@@ -39,7 +39,7 @@ fn the_outline_of_a_line_is_the_area_that_it_paints() {
     assert!((area(Line { cap: Cap::Square, ..plain.clone() }) - 44.0).abs() < 0.1);
     let dashed = Line { dashes: vec![5.0, 5.0], ..plain.clone() };
     assert!((area(dashed) - 20.0).abs() < 0.1);
-    // More dashes than anybody draws are none.
+    // A line with too many dashes is drawn without gaps.
     assert!((area(Line { dashes: vec![1e-9, 1e-9], ..plain.clone() }) - 40.0).abs() < 0.1);
     let moved = Shape::stroked(plain, Colour([0; 3])).unwrap().moved(Affine::scale(3.0));
     assert!((moved.outline.area() - 360.0).abs() < 1.0);

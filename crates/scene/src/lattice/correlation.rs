@@ -8,7 +8,7 @@ use vtex_base::raster::blur::{Plane, oklab_planes};
 
 /// Deviation of the blur that is subtracted, as a share of the shorter side: clouds are no period.
 const LARGEST: f32 = 1.0 / 8.0;
-/// Deviation of the blur that takes away what is smaller than an element, in pixels.
+/// Deviation of the blur that removes structure smaller than an element, in pixels.
 const SMALLEST: f32 = 0.8;
 /// Longest lag, as a share of the side.
 const FARTHEST: f64 = 0.75;

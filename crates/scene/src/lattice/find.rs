@@ -1,10 +1,10 @@
 //! Finds the lattice of a picture from its autocorrelation.
 //!
-//! The lightness and the main axis of chroma are correlated, without what is larger than an eighth of the
+//! The lightness and the main axis of chroma are correlated, without structure larger than an eighth of the
 //! side. A peak is a period if its double is a peak too, or if its sum and its difference with another peak
-//! are. Two periods in different directions make a lattice. One makes rows: the other direction is free, or
-//! has no period. Vectors are fitted to all peaks at their multiples. A drawing that is one period is
-//! repeated first.
+//! are. Two periods in different directions make a lattice. One period makes rows: the other direction is
+//! free, or has no period. Vectors are fitted to all peaks at their multiples. A drawing that is one period
+//! is repeated first.
 
 use super::correlation::Autocorrelation;
 use super::{LEAST_SINE, Lattice, cross, dot};
@@ -23,11 +23,11 @@ const LEAST: [f64; 2] = [0.3, 0.16];
 const DOUBLE: f64 = 0.6;
 /// Least rise of a peak above the lowest place on the way to it, as a share of its height.
 const RISE: f64 = 0.35;
-/// Shorter periods count in place of longer ones if they are as high as this share of the highest.
+/// Shorter periods replace longer ones if their peaks reach this share of the highest.
 const SHORTER: f64 = 0.55;
-/// Least correlation along an axis that is free, and by how much it may vary there.
+/// Least correlation along a free axis, and its largest variation there.
 const FREE: [f64; 2] = [0.5, 0.25];
-/// Longest periods that are known by their sum and difference, as a share of the longest lag.
+/// Longest periods that are confirmed by their sum and difference, as a share of the longest lag.
 const NEAR: f64 = 0.6;
 /// Multiples of each vector to which a lattice is fitted.
 const MULTIPLES: i32 = 6;
@@ -61,7 +61,7 @@ pub(crate) fn find(picture: &RgbImage, repeated: bool) -> Option<Lattice> {
     let scale = [f64::from(width) / f64::from(size[0]), f64::from(height) / f64::from(size[1])];
     let correlation = Autocorrelation::new(&reduced);
     let found = lattice(&correlation)?;
-    // Hundredths are exact enough, and hide how the last digits of a transform fall.
+    // Rounded to hundredths, which hides the platform-dependent last digits of a transform.
     let round = |v: f64| libm::round(v * 100.0) / 100.0 + 0.0;
     Some(Lattice {
         vectors: found.vectors.iter().map(|v| [0, 1].map(|k| round(v[k] * scale[k]))).collect(),
@@ -204,7 +204,7 @@ fn fitted(correlation: &Autocorrelation, vectors: Vec<[f64; 2]>) -> Option<Latti
     };
     let mut stray = 0.0;
     let mut share = 0.0;
-    // From the nearest multiples outwards: each fit predicts the next ring.
+    // From the nearest multiples outwards: each fit predicts the places of the next ring.
     for most in 1..=MULTIPLES {
         let near = ASTRAY * vectors.iter().map(|v| length(*v)).fold(f64::INFINITY, f64::min);
         let radius = near.clamp(1.0, 6.0) as i32;
@@ -233,7 +233,7 @@ fn fitted(correlation: &Autocorrelation, vectors: Vec<[f64; 2]>) -> Option<Latti
         vectors = least_squares(&vectors, &found);
         let miss = |(factors, place, _): &([f64; 2], [f64; 2], f64)| {
             let at = [0, 1].map(|k| vectors.iter().zip(factors).map(|(v, f)| v[k] * f).sum::<f64>());
-            // Rows say nothing of the direction along them.
+            // Rows have no period along themselves.
             let d = [place[0] - at[0], place[1] - at[1]];
             match vectors[..] {
                 [a] => dot(d, a) * dot(d, a) / dot(a, a),
@@ -282,7 +282,7 @@ fn reduced(vectors: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
         }
         let n = libm::round(dot(a, b) / dot(a, a));
         let shorter = [b[0] - n * a[0], b[1] - n * a[1]];
-        // Two of equal length would take turns.
+        // Two vectors of equal length would be exchanged for ever.
         if dot(shorter, shorter) >= dot(b, b) * 0.999 {
             break;
         }

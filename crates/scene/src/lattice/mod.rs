@@ -17,12 +17,12 @@ use vtex_base::error::{Error, Result};
 
 /// Largest relative change of a lattice's vectors that makes its periods fit a canvas.
 const MOST_STRETCH: f64 = 0.03;
-/// The same for sizes that are proposed: not at the limit, for sizes are rounded.
+/// The same for proposed sizes: below the limit, because sizes are rounded.
 const PROPOSED_STRETCH: f64 = 0.027;
 /// Least angle between two vectors: its sine.
 const LEAST_SINE: f64 = 0.2;
-/// Least strength of a lattice that textures keep to unasked: elements of a weaker one stray so much that seams
-/// fit better without it.
+/// Least strength of a lattice that textures follow by default: elements of a weaker one stray so much that
+/// seams fit better without it.
 const KEPT: f64 = 0.3;
 /// Shortest vector, in pixels.
 const SHORTEST: f64 = 4.0;
@@ -57,7 +57,7 @@ impl Lattice {
         }
     }
 
-    /// Whether textures keep to it unasked: not if its strength is below 0.3.
+    /// Whether textures follow it by default: only if its strength is at least 0.3.
     pub fn is_kept(&self) -> bool {
         self.strength >= KEPT
     }
@@ -86,7 +86,7 @@ impl Lattice {
         Self { vectors, stray: self.stray * libm::sqrt(by[0] * by[1]), ..*self }
     }
 
-    /// How phases of places are measured.
+    /// The phases of places in the exemplar.
     pub fn phases(&self) -> Phases {
         let waves = match self.vectors[..] {
             [a, b] => {
@@ -109,7 +109,7 @@ impl Lattice {
             let whole = |w: f64, k: usize| if wrap[k] { libm::round(w * size[k]) / size[k] } else { w };
             waves.iter().map(|w| [whole(w[0], 0), whole(w[1], 1)]).collect()
         };
-        // Largest distance by which a vector misses its place, as a share of its length.
+        // Largest displacement of a vector, as a share of its length.
         let strain = |size: [f64; 2]| -> f64 {
             let fitted = fitted(size);
             let missed = |v: &[f64; 2]| {
@@ -141,7 +141,7 @@ impl Lattice {
         })
     }
 
-    /// The way from a place of a canvas to the nearest that has the phase of a place of the exemplar.
+    /// The offset from a place of a canvas to the nearest place with the phase of a place of the exemplar.
     pub fn residual(&self, canvas: &Phases, exemplar: [f64; 2], place: [f64; 2]) -> [f64; 2] {
         let mut way = [0.0; 2];
         for ((wave, on_canvas), vector) in self.phases().waves.iter().zip(&canvas.waves).zip(&self.vectors) {
@@ -151,7 +151,7 @@ impl Lattice {
         way
     }
 
-    /// Squared distance in pixels that differences of phase, each from -0.5 to 0.5, mean.
+    /// Squared distance in pixels for differences of phase, each from -0.5 to 0.5.
     fn residual_of(&self, phases: &[f64]) -> f64 {
         let mut sum = [0.0; 2];
         for (phase, v) in phases.iter().zip(&self.vectors) {
@@ -161,10 +161,10 @@ impl Lattice {
     }
 }
 
-/// Phases of places: how many periods along each vector they are from the origin.
+/// Phases of places: their distances from the origin along each vector, in periods.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Phases {
-    /// For each vector of the lattice the reciprocal one: their product is 1, that with the other vector 0.
+    /// The reciprocal of each vector of the lattice: their scalar product is 1, that with the other vector 0.
     pub waves: Vec<[f64; 2]>,
 }
 

@@ -6,7 +6,7 @@ use vtex_base::sampling::{Stream, stream};
 
 const SIDE: u32 = 260;
 
-/// A picture of disks or bricks at some places, each in a colour of its own, on uneven ground.
+/// A picture of disks or bricks at some places, each in its own colour, on an uneven background.
 fn picture(places: &[[f64; 2]], half: [f64; 2], round: bool, random: &mut Stream) -> RgbImage {
     let mut image = RgbImage::from_fn(SIDE, SIDE, |_, _| {
         let grain = random.range(-14.0, 14.0);

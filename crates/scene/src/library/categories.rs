@@ -1,4 +1,4 @@
-//! How many categories primaries are divided into.
+//! The number of categories of primaries.
 
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
@@ -7,10 +7,10 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::fmt;
 use std::str::FromStr;
 
-/// How many categories primaries are divided into. In JSON and on the command line a number, or `auto`.
+/// The number of categories of primaries. In JSON and on the command line a number, or `auto`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Categories {
-    /// The fewest, up to [`Categories::MOST_BY_COLOUR`], whose members are alike in colour.
+    /// The smallest number, up to [`Categories::MOST_BY_COLOUR`], for which members have similar colours.
     Auto,
     /// This number, 1 to 1000; fewer where there are fewer different primaries.
     AtMost(u32),

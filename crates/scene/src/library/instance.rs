@@ -1,4 +1,4 @@
-//! Elements where they stand in the exemplar.
+//! Elements at their places in the exemplar.
 
 use super::ElementId;
 #[cfg(feature = "schema")]
@@ -8,16 +8,15 @@ use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use vtex_base::geometry::Affine;
 
-/// An element where it stands in the exemplar. In JSON an element that stands where its shapes say is
-/// its index alone.
+/// An element at its place in the exemplar. In JSON an element at the place of its shapes is its index alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[cfg_attr(feature = "schema", schemars(with = "StoredInstance"))]
 pub struct ExemplarInstance {
     /// Index in [`Library::elements`](super::Library::elements).
     pub element: ElementId,
-    /// Coefficients a b c d e f of the affine map from the element to its place: x' = ax + cy + e,
-    /// y' = bx + dy + f. Default: the element is where its shapes say.
+    /// Coefficients a b c d e f of the affine map from the element to its place: x' = ax + cy + e, y' = bx +
+    /// dy + f. Default: the element is at the place of its shapes.
     pub transform: [f64; 6],
 }
 
@@ -27,7 +26,7 @@ pub struct ExemplarInstance {
 #[cfg_attr(feature = "schema", schemars(rename = "ExemplarInstance"))]
 #[serde(untagged)]
 enum StoredInstance {
-    /// Index of an element that stands where its shapes say.
+    /// Index of an element at the place of its shapes.
     Plain(ElementId),
     /// An element at another place.
     Placed(PlacedInstance),
@@ -39,8 +38,8 @@ enum StoredInstance {
 struct PlacedInstance {
     /// Index of the element.
     element: ElementId,
-    /// Coefficients a b c d e f of the affine map from the element to its place: x' = ax + cy + e,
-    /// y' = bx + dy + f. Default: the element is where its shapes say.
+    /// Coefficients a b c d e f of the affine map from the element to its place: x' = ax + cy + e, y' = bx +
+    /// dy + f. Default: the element is at the place of its shapes.
     #[serde(default = "identity")]
     transform: [f64; 6],
 }

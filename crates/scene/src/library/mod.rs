@@ -55,9 +55,9 @@ pub struct Library {
     pub source: Source,
     /// The elements: primaries, which have a category, before secondaries, which have none.
     pub elements: Vec<ExemplarElement>,
-    /// The layers of the exemplar, in painting order: what lies where.
+    /// The layers of the exemplar, in painting order.
     pub layers: Vec<ExemplarLayer>,
-    /// Clusters of primaries that look alike.
+    /// Clusters of similar primaries.
     pub categories: Vec<Category>,
     /// Share of the exemplar covered by primaries, 0 to 1.
     pub coverage: f64,
@@ -74,7 +74,7 @@ pub struct Library {
     pub lattice: Option<Lattice>,
 }
 
-/// What an exemplar is.
+/// The kind of an exemplar.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
@@ -90,13 +90,13 @@ pub enum SourceKind {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Source {
-    /// What the exemplar is.
+    /// The kind of the exemplar.
     pub kind: SourceKind,
     /// File name of the exemplar, without its folder.
     pub file: String,
     /// Width of the exemplar, in pixels of the photograph or units of the drawing.
     pub width: u32,
-    /// Height of the exemplar, in the same.
+    /// Height of the exemplar, in the same unit.
     pub height: u32,
     /// Pixels of the arrangement for each pixel of the photograph or unit of the drawing, along x and y. Below
     /// 1 for a photograph that was reduced before it was analysed. Default 1.
@@ -136,8 +136,8 @@ pub struct ExemplarElement {
     pub category: Option<CategoryId>,
     /// Median colour of its pixels.
     pub colour: Colour,
-    /// Colour minus the background field at the centroid, per sRGB component, -255 to 255. Elements
-    /// with it take their colour from the field where they are placed.
+    /// Colour minus the background field at the centroid, per sRGB component, -255 to 255. If it is given, a
+    /// placed element takes its colour from the field beneath it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub difference: Option<[i16; 3]>,
     /// Area, in pixels of the arrangement.
@@ -177,7 +177,7 @@ impl ExemplarElement {
         &self.shapes[1..]
     }
 
-    /// The point that stands for it: its centroid in whole pixels.
+    /// Its reference point: the centroid in whole pixels.
     pub fn origin(&self) -> [i32; 2] {
         self.centroid.map(|v| libm::round(v) as i32)
     }
@@ -190,7 +190,7 @@ impl ExemplarElement {
 pub struct ExemplarLayer {
     /// Its name, unique within the library. Not empty.
     pub name: String,
-    /// What its elements are to the texture.
+    /// The function of its elements in the texture.
     pub role: Role,
     /// The part of the exemplar that it fills; `None` for all of it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -204,13 +204,13 @@ pub struct ExemplarLayer {
     /// Typical distance between neighbouring secondaries, in pixels; 0 if there are fewer than three.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub spacing: Option<f64>,
-    /// What stands where, in painting order.
+    /// The placed elements, in painting order.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub instances: Vec<ExemplarInstance>,
 }
 
 impl ExemplarLayer {
-    /// A layer named after its role, with nothing in it.
+    /// An empty layer named after its role.
     pub fn new(role: Role) -> Self {
         let name = role.name().into();
         Self { name, role, region: None, colour: None, field: None, spacing: None, instances: Vec::new() }
@@ -239,14 +239,14 @@ impl Category {
 }
 
 impl Library {
-    /// Plain names of the categories, in their order, all different: the words for their mean colours. They
-    /// are the same wherever the library's elements go.
+    /// Plain names of the categories, in their order, all different: the words for their mean colours.
+    /// Scenes, SVGs and reports use the same names.
     pub fn category_names(&self) -> Vec<String> {
         let colours: Vec<Colour> = self.categories.iter().map(Category::colour).collect();
         colour_names::distinct(&colours)
     }
 
-    /// What a scene says of the library.
+    /// The reference to the library that a scene stores.
     pub fn reference(&self) -> LibraryRef {
         LibraryRef {
             exemplar: self.source.file.clone(),
@@ -285,7 +285,7 @@ impl Library {
         self.layers.iter().find_map(|layer| layer.spacing).unwrap_or(0.0)
     }
 
-    /// The three layers of a homogeneous photograph, whose elements stand where their shapes say.
+    /// The three layers of a homogeneous photograph, with elements at the places of their shapes.
     pub fn three_layers(elements: &[ExemplarElement], background: Field, spacing: f64) -> Vec<ExemplarLayer> {
         let primaries = elements.partition_point(|e| e.category.is_some());
         let of = |range: Range<usize>| range.map(|i| ExemplarInstance::of(ElementId::after(i))).collect();
@@ -309,7 +309,8 @@ impl Library {
         document::read(path)
     }
 
-    /// Reads and validates a library from bytes, plain or gzip; owned ones take no copy. `name` appears in errors.
+    /// Reads and validates a library from bytes, plain or gzip; owned bytes are not copied. `name` appears in
+    /// errors.
     ///
     /// # Errors
     /// [`vtex_base::Error::Format`] for anything but a valid library of this version.

@@ -58,8 +58,8 @@ pub struct AnalyzeParams {
     #[serde(with = "pixel_limit")]
     #[cfg_attr(feature = "schema", schemars(schema_with = "pixel_limit::schema"))]
     pub max_pixels: u32,
-    /// Whether the exemplar tiles, that is, its opposite borders join. What they cut is one element then. Default
-    /// false; `vtex::analyze::borders_join` finds it out.
+    /// Whether the exemplar tiles, that is, its opposite borders join. The parts of an element that a border
+    /// cuts are then one element. Default false; `vtex::analyze::borders_join` tests it.
     pub wrap: bool,
     /// Number of nested layers, such as rust on paint. 1 to 6, or 0 (the default) for one to three, by the
     /// photograph, written as `auto`.
@@ -71,7 +71,7 @@ pub struct AnalyzeParams {
     pub layer_order: Vec<u32>,
     /// Which shapes of a drawing are one element. Default auto.
     pub elements: Grouping,
-    /// Whether what cannot be read of a drawing is left out, rather than refused. Default false.
+    /// Whether parts of a drawing that cannot be read are left out, rather than refused. Default false.
     pub lenient: bool,
 }
 
@@ -80,8 +80,8 @@ pub struct AnalyzeParams {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Grouping {
-    /// Groups that are small against the page; else the connected pieces of paths that lie within one
-    /// another, touch, or are much nearer to each other than to all else.
+    /// Small groups; otherwise the connected pieces of paths that lie within one another, touch, or are much
+    /// nearer to each other than to all other pieces.
     #[default]
     Auto,
     /// Each outermost group that does not hold the whole drawing; other shapes by their pieces.

@@ -1,7 +1,7 @@
 //! Strata: the nested layers of a weathered surface.
 //!
 //! A stratum is stored as three layers named after its colour, such as *moss green* (with region, field and
-//! colour), *moss green secondary* and *moss green primary*. Labels are drawn from the regions again. An
+//! colour), *moss green secondary* and *moss green primary*. Labels are computed from the regions. An
 //! operation for the layer *moss green* applies to all three.
 
 use super::{ExemplarLayer, Library, Role};
@@ -12,7 +12,8 @@ use vtex_base::geometry::{Interior, Outline};
 use vtex_base::raster::LabelMap;
 use vtex_base::raster::colour::Colour;
 
-/// A layer of a weathered surface: a background and the elements on it. Other exemplars have a single one.
+/// A layer of a weathered surface: a background and the elements on it. Homogeneous exemplars have a single
+/// stratum.
 #[derive(Clone, Copy, Debug)]
 pub struct Stratum<'a> {
     /// Its layers: the background first, then those of its elements.
@@ -86,7 +87,8 @@ impl Library {
         strata
     }
 
-    /// Colours sampled between the elements. Of several strata, each one's where it is on top.
+    /// Colours sampled between the elements. With several strata, each stratum contributes the colours where
+    /// it is on top.
     ///
     /// # Panics
     /// If no layer has a field, which [`Library::read`] excludes.

@@ -164,14 +164,14 @@ pub fn mosaic(side: u32, spacing: f64, fill: f64, seed: u64) -> LabelMap {
 }
 
 impl Library {
-    /// Takes all secondaries away.
+    /// Removes all secondaries.
     pub fn without_secondaries(mut self) -> Self {
         self.elements.truncate(self.primaries().len());
         self.layers.iter_mut().filter(|l| l.role == Role::Secondary).for_each(|l| l.instances.clear());
         self
     }
 
-    /// Takes all primaries away.
+    /// Removes all primaries.
     pub fn without_primaries(mut self) -> Self {
         let secondaries = self.secondaries().to_vec();
         let (background, spacing) = (self.background().into_owned(), self.secondary_spacing());
@@ -182,7 +182,7 @@ impl Library {
         self
     }
 
-    /// Puts other secondaries in the place of its own.
+    /// Replaces its secondaries.
     pub fn with_secondaries(self, secondaries: Vec<ExemplarElement>) -> Self {
         let mut library = self.without_secondaries();
         let (background, spacing) = (library.background().into_owned(), library.secondary_spacing());
@@ -192,7 +192,7 @@ impl Library {
     }
 }
 
-/// [`guided`] with two strata: what lies right of the middle is another, in a lighter background.
+/// [`guided`] with two strata: the right half is another one, with a lighter background.
 pub fn layered(map: &LabelMap) -> Library {
     let mut library = guided(map);
     let middle = f64::from(map.width / 2);

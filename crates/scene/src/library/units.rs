@@ -1,11 +1,11 @@
 //! The units of a library, and its pixels.
 //!
 //! A library has the size of its exemplar: the pixels of a photograph as it was taken, the units of a
-//! drawing's page. All of its geometry is in these units, and so are canvases and scenes, so that nothing
-//! that users see depends on how finely an exemplar was looked at. The arrangement and the guide are maps;
-//! they have [`Source::scale`](super::Source::scale) pixels for each unit. A photograph that was reduced
-//! has fewer than one, a small drawing several. Areas of elements and the windows of descriptors are counted
-//! in pixels of the arrangement, because they are read from it.
+//! drawing's page. All of its geometry is in these units, and so are canvases and scenes, so that sizes seen
+//! by users do not depend on the resolution of the analysis. The arrangement and the guide are maps; they
+//! have [`Source::scale`](super::Source::scale) pixels for each unit. A photograph that was reduced has fewer
+//! than one, a small drawing several. Areas of elements and the windows of descriptors are counted in pixels
+//! of the arrangement, because they are read from it.
 //!
 //! Placement works on pixels. [`Library::at_scale`] gives it a library of which the pixels are the units.
 
@@ -33,7 +33,7 @@ impl Library {
     }
 
     /// The library with `pixels` pixels of the arrangement for each unit, and these pixels as its units. The
-    /// maps are resampled unless they have as many already.
+    /// maps are resampled unless they have this resolution already.
     pub fn at_scale(&self, pixels: [f64; 2]) -> Cow<'_, Self> {
         if self.is_in_pixels() && pixels == [1.0; 2] {
             return Cow::Borrowed(self);
@@ -84,7 +84,7 @@ impl Library {
         }
     }
 
-    /// Gives the maps another size; `area` is the factor by which that changes areas.
+    /// Resamples the maps; `area` is the factor by which that changes areas.
     fn resample(&mut self, size: [u32; 2], area: f64) {
         let [width, height] = size;
         let labels = self.arrangement.to_labels().resized(width, height);
@@ -123,7 +123,7 @@ mod tests {
     #[test]
     fn a_library_comes_back_from_its_pixels() {
         for library in [guided(&mosaic(120, 14.0, 0.6, 1)), layered(&mosaic(120, 14.0, 0.6, 1))] {
-            // Places are rounded where they are scaled.
+            // Scaled places are rounded.
             let library = library.scaled([1.0; 2]);
             let reduced = reduced(&library);
             assert_eq!(reduced.validate(), Ok(()));

@@ -81,7 +81,7 @@ pub(super) fn validate(l: &Library) -> Result<(), String> {
     Ok(())
 }
 
-/// Checks that every element stands in one layer of its role, and the layers' fields.
+/// Checks that every element is in one layer of its role, and checks the layers' fields.
 fn validate_layers(l: &Library) -> Result<(), String> {
     let backgrounds = l.layers.iter().filter(|layer| layer.role == Role::Background && layer.field.is_some());
     match backgrounds.clone().count() {

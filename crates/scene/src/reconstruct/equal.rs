@@ -9,7 +9,7 @@ use vtex_base::geometry::{Affine, rounded};
 /// Largest difference between equal elements, in pixels.
 const EQUAL: f64 = 0.12;
 
-/// For each element the first that is equal to it up to a similarity.
+/// For each element, the first that is equal to it up to a similarity.
 pub fn equal(elements: &[ExemplarElement]) -> Vec<(usize, Affine)> {
     classes(elements.len(), |k| &elements[k].shapes, |k| elements[k].clipped, EQUAL)
 }

@@ -18,7 +18,7 @@ pub struct Listing<'a> {
 }
 
 impl<'a> Listing<'a> {
-    /// None yet.
+    /// An empty listing.
     pub fn new(number: LibraryId, library: &'a Library) -> Self {
         Self { number, library, elements: vec![None; library.elements.len()], alike: BTreeMap::new() }
     }

@@ -23,7 +23,7 @@ pub fn reconstruct(library: &Library) -> Scene {
     if whole || !library.arrangement.periodic {
         return as_it_stands(library);
     }
-    // A period that ends within a unit is stretched to a canvas of whole ones.
+    // A period that is not a whole number of units is stretched to whole units.
     as_it_stands(&library.scaled(by))
 }
 

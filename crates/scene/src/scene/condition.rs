@@ -8,7 +8,7 @@ use vtex_base::error::clip;
 pub const NAMES: [&str; 9] =
     ["category", "library", "id", "area", "elongation", "x", "y", "inside", "outside"];
 
-/// How conditions are written.
+/// The syntax of conditions, for messages.
 pub const EXPECTED: &str = "category=3, category!=3, category=3|5, library=1, id=17, area>200, elongation>1.5, \
                             x<500, y>=20, inside=FILE, outside=FILE";
 
@@ -44,7 +44,7 @@ impl FromStr for Condition {
             };
             let numbers: Result<Vec<u32>, _> = value.split('|').map(|v| v.trim().parse()).collect();
             let mut numbers = numbers.map_err(|_| wrong(format!("'{}' is no whole number", clip(value))))?;
-            // Data have indices.
+            // Scenes store indices, from 0.
             let first = identity.first_number();
             for number in &mut numbers {
                 let index = number.checked_sub(first);

@@ -1,4 +1,4 @@
-//! The record of what was done to a scene after it was made.
+//! The record of the operations applied to a scene.
 
 use super::operation::{Action, Comparison, Condition, Identity, Operation, Quantity};
 #[cfg(feature = "schema")]
@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::fmt::{self, Display, Formatter};
 
-/// Something that a scene has gone through.
+/// A recorded operation on a scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -23,25 +23,25 @@ pub struct EditRecord {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Recorded {
-    /// An operation was done to it.
+    /// An operation of `edit`.
     Edit(Operation),
-    /// It was made from two scenes, as one between them.
+    /// An interpolation between two scenes.
     Interpolation(Between),
-    /// Its elements took the appearance of other textures.
+    /// A transfer of the appearance of other textures.
     Transfer(Transfer),
-    /// Any of these, as a command line says it: so it stands in files of older programs.
+    /// Any of these as text of a command line, as in files of older programs.
     #[serde(untagged)]
     Text(String),
 }
 
-/// The appearance of other textures, taken over.
+/// A transfer of appearance.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Transfer {
     /// Exemplars of the other textures.
     pub appearance: Vec<String>,
-    /// What was taken over.
+    /// The mode of the transfer.
     pub mode: TransferMode,
     /// Factor of the size of elements.
     pub scale: f64,
@@ -68,22 +68,22 @@ pub struct Between {
     pub from: Vec<String>,
     /// Exemplars of the second scene.
     pub to: Vec<String>,
-    /// Where it stands between them.
+    /// The position between the scenes.
     pub place: Place,
 }
 
-/// Where a scene stands between two others.
+/// The position of a scene between two others.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Place {
-    /// This share of the way along. 0 to 1.
+    /// One time for the whole scene, 0 to 1.
     At(f64),
-    /// At the first on one side of the canvas, at the second on the other.
+    /// The first scene at one side of the canvas, the second at the other.
     Across(Axis),
-    /// At the first in the middle of the canvas, at the second at its sides.
+    /// The first scene in the middle of the canvas, the second at its sides.
     Radial,
-    /// By a map, between the first where it is black and the second where it is white.
+    /// By a map: the first scene where it is black, the second where it is white.
     Map,
 }
 
@@ -178,7 +178,7 @@ fn word<T: Serialize>(value: T) -> String {
     serde_json::to_value(value).map(|v| plain(&v)).unwrap_or_default()
 }
 
-/// A JSON value without quotes and brackets; of an object only what it holds.
+/// A JSON value without quotes and brackets; an object as its fields alone.
 fn plain(value: &Value) -> String {
     match value {
         Value::String(text) => text.clone(),

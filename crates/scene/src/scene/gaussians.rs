@@ -39,8 +39,8 @@ impl Scene {
 }
 
 impl Instance {
-    /// The coefficients of the map that draws the instance, which stands in the frame of `own`, in the frame
-    /// of `target`: A = U*^½ · R · U^-½ after its own map (decoder of composable textons).
+    /// The coefficients of the map that moves the instance from the frame `own` to the frame `target`: A =
+    /// U*^½ · R · U^-½ after its own map (decoder of composable textons).
     pub fn decoded(&self, own: &Gaussian, target: &Gaussian) -> [f64; 6] {
         let drawn: Affine = own.onto(target) * self.affine();
         drawn.as_coeffs()

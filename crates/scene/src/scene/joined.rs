@@ -4,7 +4,7 @@ use super::{ControlPoint, Field};
 use std::borrow::Cow;
 use vtex_base::geometry::{Interior, Outline, Point};
 
-/// The fields of layers as one field: of several, the points of each where its layer is on top. Layers are
+/// The fields of layers as one field: each contributes the points at which its layer is on top. Layers are
 /// given in painting order by their regions, `None` for everywhere. `None` if there is no layer.
 pub fn joined<'a>(layers: &[(Option<&Outline>, &'a Field)]) -> Option<Cow<'a, Field>> {
     let &(_, bottom) = layers.first()?;

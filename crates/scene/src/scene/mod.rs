@@ -87,8 +87,8 @@ pub struct Scene {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Domain {
-    /// Outline of the shape, on the canvas. Layers are clipped to it, but for those of individual
-    /// elements ([`Role::is_individual`]), which follow `edge`.
+    /// Outline of the shape, on the canvas. Layers are clipped to it, except those of individual elements
+    /// ([`Role::is_individual`]), which follow `edge`.
     pub outline: Outline,
     /// Treatment of individual elements at its edge.
     pub edge: Edge,
@@ -121,9 +121,9 @@ pub enum Edge {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Layer {
-    /// Its name, unique within the scene: what operations and writers call it. Not empty.
+    /// Its name, unique within the scene, which operations and writers use. Not empty.
     pub name: String,
-    /// What its elements are to the texture.
+    /// The function of its elements in the texture.
     pub role: Role,
     /// The part of the canvas that it fills; `None` for all of it. Field and elements are clipped to it.
     /// In a scene that tiles it stands for all its copies.
@@ -153,13 +153,13 @@ pub struct LibraryRef {
     pub exemplar: String,
     /// SHA-256 of the exemplar's file.
     pub sha256: String,
-    /// Names of the library's categories, in its order; none in files of older programs.
+    /// Names of the library's categories, in its order; empty in files of older programs.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub categories: Vec<String>,
 }
 
 impl LibraryRef {
-    /// The exemplar alone, without what the library made of it.
+    /// The reference to the exemplar alone, without categories.
     pub fn exemplar(&self) -> Self {
         Self { categories: Vec::new(), ..self.clone() }
     }
@@ -228,7 +228,7 @@ impl Element {
     }
 }
 
-/// Index of a library in [`Scene::libraries`], or in the list of libraries that something is made from.
+/// Index of a library in [`Scene::libraries`], or in another list of libraries.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(transparent)]
@@ -240,7 +240,7 @@ impl LibraryId {
         self.0 as usize
     }
 
-    /// The number that people know it by, counted from 1.
+    /// The number shown to people, counted from 1.
     pub fn number(self) -> u64 {
         u64::from(self.0) + 1
     }
@@ -343,7 +343,8 @@ impl Scene {
         document::read(path)
     }
 
-    /// Reads and validates a scene from bytes, plain or gzip; owned ones take no copy. `name` appears in errors.
+    /// Reads and validates a scene from bytes, plain or gzip; owned bytes are not copied. `name` appears in
+    /// errors.
     ///
     /// # Errors
     /// [`vtex_base::Error::Format`] for anything but a valid scene of this version.
@@ -463,7 +464,7 @@ impl Scene {
         &mut self.layers[index]
     }
 
-    /// Lists another element; its index.
+    /// Adds an element. Returns its index.
     pub fn add(&mut self, element: Element) -> ElementId {
         self.elements.push(element);
         ElementId::after(self.elements.len() - 1)

@@ -1,5 +1,5 @@
-//! Operations on scenes as plain data: what is done to which elements. Scenes record them, and
-//! `edit` does them.
+//! Operations on scenes as plain data: an action and the elements that it applies to. Scenes record them, and
+//! `edit` applies them.
 
 use super::InstanceId;
 #[cfg(feature = "schema")]
@@ -7,7 +7,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use vtex_base::raster::colour::Colour;
 
-/// Something done to a selection of a scene's textons. Files are named, not held.
+/// An action on a selection of a scene's textons. Files are referred to by name.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -24,7 +24,7 @@ pub struct Operation {
 }
 
 impl From<Action> for Operation {
-    /// The action, done to all elements.
+    /// The action applied to all elements.
     fn from(action: Action) -> Self {
         Self { action, layer: None, conditions: Vec::new() }
     }
@@ -36,18 +36,18 @@ impl From<Action> for Operation {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Action {
-    /// Fewer textons: a share of each layer is kept, or those that are large enough.
+    /// Textons are removed: a share of each layer is kept, or the ones that are large enough.
     Thin {
         /// Share kept. 0 to 1.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         keep: Option<f64>,
-        /// Which go first.
+        /// The textons that are removed first.
         order: ThinOrder,
-        /// Smaller textons go, and smaller details of those that stay, in pixels²; from 0.
+        /// Smaller textons are removed, and smaller details of the others, in pixels²; from 0.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         minimum_area: Option<f64>,
     },
-    /// Each texton is kept with the probability that the map has where it stands.
+    /// Each texton is kept with the probability that the map has at its place.
     Density {
         /// File of a grey picture, black 0 to white 1, stretched over the canvas.
         map: String,
@@ -61,14 +61,14 @@ pub enum Action {
     },
     /// Colours are mixed with one, in Oklab.
     Tint {
-        /// The colour, or a picture, stretched over the canvas, that has it where each texton stands.
+        /// The colour, or a picture, stretched over the canvas, that has the colour at each texton's place.
         colour: ColourOrMap,
         /// Its share. 0 to 1.
         amount: f64,
         /// Share of the textons that are tinted. 0 to 1.
         share: f64,
     },
-    /// Colours like one are moved to another, those less like it less far, in Oklab.
+    /// Colours similar to one are shifted towards another, less similar ones by a smaller amount, in Oklab.
     Recolor {
         /// The colour that is replaced.
         from: Colour,
@@ -77,7 +77,7 @@ pub enum Action {
         /// Oklab distance up to which colours are moved. 0.01 to 2.
         reach: f64,
     },
-    /// Categories get new mean colours; what is lighter or darker within them stays so.
+    /// Categories get new mean colours; differences in lightness within them stay.
     Palette {
         /// The new colours.
         colours: Vec<Colour>,
@@ -135,29 +135,29 @@ pub enum Action {
     /// Textons are moved, turned, scaled and stretched together, about their own centres or the centre of
     /// all.
     Transform {
-        /// Way to the right and down. -10⁶ to 10⁶ each.
+        /// Shift to the right and down. -10⁶ to 10⁶ each.
         by: [f64; 2],
         /// Factors along x and y. 0.01 to 100 each.
         scale: [f64; 2],
-        /// The angle, turned by after scaling. -360 to 360.
+        /// The angle, applied after scaling. -360 to 360.
         angle: f64,
-        /// The point that stays where it is, but for the way.
+        /// The fixed point of scaling and rotation, before the shift.
         about: About,
     },
     /// Textons are moved, turned, scaled and recoloured at random, each on its own.
     Jitter(Jitter),
-    /// Appearances, colours with details, change places among textons of like size.
+    /// Appearances, that is, colours with details, are exchanged among textons of similar size.
     Shuffle {
-        /// Among which textons.
+        /// The textons among which appearances are exchanged.
         within: Within,
         /// Share of the textons that take part. 0 to 1.
         share: f64,
-        /// Whether outlines change places too, each drawn in the other's frame.
+        /// Whether outlines are exchanged too, each drawn in the other's frame.
         outlines: bool,
     },
-    /// Appearances and shapes are brought nearer to their mean or further from it (Tu, dissertation,
-    /// equations 4.27 to 4.30). Each factor is 0 to 4, where 0 makes all alike and 1 changes nothing, or a
-    /// map, black 0, middle grey 1, white 2.
+    /// The variation of appearances and shapes about their mean is scaled (Tu, dissertation, equations 4.27
+    /// to 4.30). Each factor is 0 to 4, where 0 makes all equal and 1 changes nothing, or a map, black 0,
+    /// middle grey 1, white 2.
     Vary {
         /// Factor of the distance of colours from their mean, in Oklab.
         #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -165,24 +165,23 @@ pub enum Action {
         /// Factor for size, elongation and direction.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         shape: Option<NumberOrMap>,
-        /// The textons that have one mean.
+        /// The textons that share one mean.
         within: Within,
     },
     /// Textons move apart where they are close, so that distances become even.
     Relax {
-        /// How often they move. 1 to 1000.
+        /// Number of rounds. 1 to 1000.
         rounds: u32,
-        /// Share of the way at each time. 0 to 1.
+        /// Share of the missing distance that is moved in each round. 0 to 1.
         strength: f64,
-        /// Distance that none is to be nearer than, from 0 to 1000; default: that of a regular lattice of as
-        /// many.
+        /// Least distance, 0 to 1000; default: that of a regular lattice of equally many textons.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         minimum_distance: Option<f64>,
     },
-    /// What is drawn on one texton appears on all like it, in their frames. One of `drawing`, `element` and
-    /// `fill` is given.
+    /// Shapes drawn on one texton are repeated on all similar ones, in their frames. One of `drawing`,
+    /// `element` and `fill` is given.
     Propagate {
-        /// File of a drawing over the canvas, an SVG fitted to it. What lies under it is the texton drawn on.
+        /// File of a drawing over the canvas, an SVG fitted to it. The texton beneath it is the one drawn on.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         drawing: Option<String>,
         /// File of a drawing by itself, an SVG: its largest shape is brought onto each texton.
@@ -191,27 +190,27 @@ pub enum Action {
         /// A colour that replaces that of the texton's first shape.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         fill: Option<Colour>,
-        /// The texton that the others are like; default: the one under `drawing`, and for the others all that are
-        /// selected are alike.
+        /// The texton that others are compared with; default: the one beneath `drawing`. Without a drawing,
+        /// all selected textons are similar.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         of: Option<InstanceId>,
-        /// Largest distance of median colours, in Oklab, of textons that are alike, 0 to 2; default: those of
-        /// the same category.
+        /// Largest distance of the median colours of similar textons, in Oklab, 0 to 2; default: textons of
+        /// one category are similar.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         similar: Option<f64>,
-        /// Whether it is drawn in place of what they show, else on it.
+        /// Whether it replaces their shapes instead of being drawn on them.
         replace: bool,
     },
     /// The painting order within each layer.
     Order {
-        /// What is painted first: the least of it.
+        /// The property by which textons are sorted; the least is painted first.
         by: OrderBy,
-        /// Whether the most is painted first.
+        /// Whether the order is reversed.
         reverse: bool,
     },
-    /// Textons are taken away.
+    /// Textons are removed.
     Delete,
-    /// Textons whose centre lies on the wrong side of a shape are taken away.
+    /// Textons whose centre lies on the wrong side of a shape are removed.
     Mask {
         /// File of the shape: an SVG with one path, fitted to the canvas, or a picture, white inside.
         shape: String,
@@ -221,7 +220,7 @@ pub enum Action {
 }
 
 impl Action {
-    /// Whether it leaves every scene as it is: such an operation is not recorded.
+    /// Whether it changes no scene: such an operation is not recorded.
     pub fn is_nothing(&self) -> bool {
         let one =
             |number: &Option<NumberOrMap>| number.as_ref().is_none_or(|n| *n == NumberOrMap::Number(1.0));
@@ -240,9 +239,9 @@ impl Action {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(untagged)]
 pub enum NumberOrMap {
-    /// Everywhere the same.
+    /// Constant over the canvas.
     Number(f64),
-    /// By place: file of a grey picture, stretched over the canvas.
+    /// The file of a grey picture, stretched over the canvas.
     Map(String),
 }
 
@@ -257,9 +256,9 @@ impl From<f64> for NumberOrMap {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(untagged)]
 pub enum ColourOrMap {
-    /// Everywhere the same.
+    /// Constant over the canvas.
     Colour(Colour),
-    /// By place: file of a picture, stretched over the canvas. Where it is transparent, nothing changes.
+    /// The file of a picture, stretched over the canvas. Where it is transparent, nothing changes.
     Map(String),
 }
 
@@ -298,13 +297,14 @@ pub struct Jitter {
     /// How changes are distributed.
     #[serde(default, skip_serializing_if = "Distribution::is_uniform")]
     pub distribution: Distribution,
-    /// Number of equal steps either way that changes are made of, up to 1000; 0 for any change.
+    /// Number of equal steps from 0 to each bound; changes are multiples of a step. Up to 1000; 0 for
+    /// continuous changes.
     #[serde(default, skip_serializing_if = "is_none")]
     pub steps: u32,
 }
 
 impl Jitter {
-    /// Whether it changes anything.
+    /// Whether it changes nothing.
     pub fn is_nothing(&self) -> bool {
         let Self { distance, angle, scale, stretch, flip, hue, chroma, lightness, .. } = self;
         [distance, angle, scale, stretch, flip, hue, chroma, lightness].iter().all(|v| **v == 0.0)
@@ -327,7 +327,7 @@ pub enum Distribution {
     /// Evenly.
     #[default]
     Uniform,
-    /// Normally, the bounds being two standard deviations from the middle; none lies beyond them.
+    /// Normally, with the bounds at two standard deviations; values beyond the bounds are drawn again.
     Normal,
 }
 
@@ -337,7 +337,7 @@ impl Distribution {
     }
 }
 
-/// The textons that something is done among.
+/// The group of textons within which an operation works.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
@@ -361,7 +361,7 @@ pub enum About {
     Selection,
 }
 
-/// The property by which textons are painted one after the other.
+/// The property that determines the painting order of textons.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
@@ -378,7 +378,7 @@ pub enum OrderBy {
     Lightness,
 }
 
-/// Which textons go first.
+/// The textons that are removed first.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
@@ -387,7 +387,7 @@ pub enum ThinOrder {
     Area,
     /// Any.
     Random,
-    /// Those with the nearest neighbours, so that what is left stays even.
+    /// Those with the nearest neighbours, so that the others stay evenly spread.
     #[default]
     BlueNoise,
 }
@@ -397,9 +397,9 @@ pub enum ThinOrder {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Direction {
-    /// Everywhere the same, in degrees. -360 to 360.
+    /// Constant over the canvas, in degrees. -360 to 360.
     Angle(f64),
-    /// By place: file of a grey picture, black 0° to white 180°, stretched over the canvas.
+    /// The file of a grey picture, black 0° to white 180°, stretched over the canvas.
     Map(String),
 }
 
@@ -408,13 +408,13 @@ pub enum Direction {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Condition {
-    /// One of some numbers is its own, or none is.
+    /// Its number is one of some, or none of them.
     Among {
         /// The property that is compared.
         identity: Identity,
         /// The numbers: indices of categories and libraries, which people number from 1, or ids.
         numbers: Vec<u32>,
-        /// Whether one of them is wanted.
+        /// Whether it must be one of them; otherwise it must be none of them.
         wanted: bool,
     },
     /// A quantity is larger or smaller than a limit.
@@ -426,11 +426,11 @@ pub enum Condition {
         /// The limit.
         limit: f64,
     },
-    /// Its centre lies in a shape, or does not.
+    /// Its centre lies inside or outside a shape.
     Place {
         /// File of the shape, as that of [`Action::Mask`].
         shape: String,
-        /// Whether it is to lie inside.
+        /// Whether it must lie inside.
         inside: bool,
     },
 }
@@ -449,7 +449,7 @@ pub enum Identity {
 }
 
 impl Identity {
-    /// The number by which people know index 0.
+    /// The number shown to people for index 0.
     pub fn first_number(self) -> u32 {
         match self {
             Self::Category | Self::Library => 1,
@@ -458,14 +458,14 @@ impl Identity {
     }
 }
 
-/// Properties of an element that are measured where it stands.
+/// Properties of a placed element that are measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Quantity {
     /// Area, in pixels².
     Area,
-    /// How much longer than broad it is, from 1.
+    /// Ratio of its length to its width, from 1.
     Elongation,
     /// Place of its centre from the left, in pixels.
     X,

@@ -46,12 +46,12 @@ pub struct SynthParams {
     /// repeats the exemplar exactly. 0 to 1. Default: 0 for a regular exemplar, 1 for another.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub variation: Option<f64>,
-    /// The rows or the lattice that the texture keeps to, for [`Method::Correspondence`]: `auto`, `off`, or one
-    /// or two vectors in pixels of the exemplar, such as `80,0,40,60`. Default `auto`.
+    /// The rows or the lattice that the texture follows, for [`Method::Correspondence`]: `auto`, `off`, or
+    /// one or two vectors in pixels of the exemplar, such as `80,0,40,60`. Default `auto`.
     pub lattice: LatticeChoice,
 }
 
-/// The lattice that placement by correspondences keeps to. As text `auto`, `off`, or two or four numbers with
+/// The lattice that placement by correspondences follows. As text `auto`, `off`, or two or four numbers with
 /// commas.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]

@@ -4,15 +4,15 @@ use super::{Element, ElementId, Instance};
 use std::collections::BTreeMap;
 use vtex_base::raster::oklab_map::OklabMap;
 
-/// Recolours instances one by one. Elements that several instances share are copied once for each change
-/// of colours; what has one plain shape is not copied at all.
+/// Recolours instances one by one. Elements that several instances share are copied once for each change of
+/// colours; elements of one plain shape are not copied.
 #[derive(Default)]
 pub struct Repaint {
     known: BTreeMap<(ElementId, [[u32; 4]; 3]), ElementId>,
 }
 
 impl Repaint {
-    /// Recolours an instance of one of the elements, to which those that it needs are added.
+    /// Recolours an instance. Adds the elements that it needs to `elements`.
     pub fn paint(&mut self, elements: &mut Vec<Element>, instance: &mut Instance, map: &OklabMap) {
         if *map == OklabMap::IDENTITY {
             return;

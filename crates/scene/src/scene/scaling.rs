@@ -1,4 +1,4 @@
-//! A scene in other units: everything that has a length is scaled with it.
+//! A scene in other units: all lengths are scaled.
 
 use super::{ControlPoint, Domain, Element, Field, Instance, Layer, Scene, Shadow, Stroke};
 use vtex_base::geometry::{Affine, Outline};
@@ -26,7 +26,7 @@ impl Field {
             let [x, y] = place([p.x, p.y], by);
             ControlPoint { x, y, ..*p }
         };
-        // A field of less than a pixel is not valid.
+        // A spacing of less than a pixel is not valid.
         let spacing = (self.spacing * mean(by)).max(1.0);
         Self { spacing, fallback: self.fallback, points: self.points.iter().map(point).collect() }
     }

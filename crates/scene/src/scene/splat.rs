@@ -1,4 +1,4 @@
-//! A scene drawn as Gaussians: what is left of it when every element is an ellipse of one colour.
+//! A scene drawn as Gaussians: every element becomes an ellipse of one colour.
 
 use super::Scene;
 use crate::element::Gaussian;
@@ -8,7 +8,7 @@ use vtex_base::raster::colour::Colour;
 
 /// Longest side of the picture, in pixels.
 const LONGEST: f64 = 1024.0;
-/// Squared Mahalanobis distance from which a Gaussian is not seen: less than a 500th is left of it.
+/// Squared Mahalanobis distance from which a Gaussian is invisible: less than a 500th is left of it.
 const FARTHEST: f64 = 6.25;
 
 /// Draws every element as a Gaussian in its median colour, each over those painted before it (Tu,
@@ -39,7 +39,7 @@ fn splatted(
     let mut pixels = vec![ground.map(f64::from); width as usize * height as usize];
     for (gaussian, features) in gaussians {
         let [xx, _, yy] = gaussian.covariance;
-        // The pixels whose centres lie no further off than its reach, along an axis.
+        // The pixels whose centres lie within its reach, along an axis.
         let along = |mean: f64, variance: f64, end: u32| {
             let reach = libm::sqrt(FARTHEST * variance);
             let first = libm::ceil(mean - reach - 0.5).clamp(0.0, f64::from(end)) as u32;
@@ -76,7 +76,7 @@ mod tests {
         let mut differ = 0;
         for (i, (pixel, other)) in drawn.iter().zip(&turned).enumerate() {
             let at = Point::new((i % 24) as f64 + 0.5, (i / 24) as f64 + 0.5);
-            // Equations 4.12 to 4.14, with what is beyond reach left out as in the drawing.
+            // Equations 4.12 to 4.14, without values beyond the reach, as in the drawing.
             let opacity = |g: &Gaussian| {
                 let v = g.at(at);
                 let [xx, _, yy] = g.covariance;

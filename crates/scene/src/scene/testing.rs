@@ -45,7 +45,7 @@ impl Scene {
         &self.layers[self.index_of(Role::Primary)].instances
     }
 
-    /// The same, to be changed.
+    /// Mutable access to the same.
     pub fn primary_mut(&mut self) -> &mut Vec<Instance> {
         let index = self.index_of(Role::Primary);
         &mut self.layers[index].instances
@@ -56,7 +56,7 @@ impl Scene {
         &self.layers[self.index_of(Role::Secondary)].instances
     }
 
-    /// The same, to be changed.
+    /// Mutable access to the same.
     pub fn secondary_mut(&mut self) -> &mut Vec<Instance> {
         let index = self.index_of(Role::Secondary);
         &mut self.layers[index].instances
@@ -67,7 +67,7 @@ impl Scene {
         self.layers.iter().find_map(|layer| layer.field.as_ref()).unwrap()
     }
 
-    /// The same, to be changed.
+    /// Mutable access to the same.
     pub fn field_mut(&mut self) -> &mut Field {
         self.layers.iter_mut().find_map(|layer| layer.field.as_mut()).unwrap()
     }

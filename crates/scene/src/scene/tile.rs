@@ -52,7 +52,7 @@ impl Scene {
         self.tile.periods([f64::from(self.width), f64::from(self.height)])
     }
 
-    /// Where the centre of an element lies: its origin, on the canvas where the scene repeats.
+    /// The place of an instance: its origin, wrapped onto the canvas where the scene repeats.
     pub fn place(&self, instance: &Instance) -> Point {
         let [.., x, y] = instance.transform;
         self.on_canvas(Point::new(x, y))
@@ -64,9 +64,9 @@ impl Scene {
         Point::new(wrapped(p.x, width), wrapped(p.y, height))
     }
 
-    /// Shifts, in pixels, at which something with the given bounds is drawn. The first is zero, for the
-    /// original, wherever it is; the others are those of the copies that reach the canvas, by row and
-    /// column. A scene that does not tile has only the first. At most 64 copies along an axis.
+    /// Shifts, in pixels, at which content with the given bounds is drawn. The first is zero, for the
+    /// original, wherever it is; the others are those of the copies that reach the canvas, by row and column.
+    /// A scene that does not tile has only the first. At most 64 copies along an axis.
     pub fn copies(&self, bounds: Rect) -> impl Iterator<Item = Vec2> + use<> {
         let axis = |repeats: bool, low: f64, high: f64, size: u32| {
             let size = f64::from(size);

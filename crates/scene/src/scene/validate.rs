@@ -74,13 +74,13 @@ pub(super) fn validate(s: &Scene) -> Result<(), String> {
     Ok(())
 }
 
-/// Whether a name can stand in any file: not empty, of bearable length, and without signs.
+/// Whether a name is valid in all formats: not empty, of limited length, and without control characters.
 fn is_plain_name(name: &str) -> bool {
     (1..=100).contains(&name.chars().count())
         && name.chars().all(|c| c.is_alphanumeric() || c == ' ' || c == '-')
 }
 
-/// Checks what layers of libraries and of scenes have in common: a name of its own among `names`, and a
+/// Checks the properties that layers of libraries and of scenes share: a unique name among `names`, and a
 /// region, if any, that is not empty. `at` is its place in the file.
 pub(crate) fn check_layer<'a>(
     at: &str,

@@ -95,8 +95,8 @@ impl From<Version1Texton> for Element {
     fn from(old: Version1Texton) -> Self {
         Self {
             library: LibraryId(old.library),
-            // Primaries come first among a library's elements. How many there are is not known here, so
-            // the index of a secondary is not either.
+            // Primaries come first among a library's elements. Their number is not known here, so the index
+            // of a secondary is unknown too.
             source: old.category.map(|_| ElementId(old.source)),
             category: old.category.map(CategoryId),
             fused: old.fragment,

@@ -1,12 +1,11 @@
 //! Pair correlation of the centres of primaries, within and between categories.
 //!
-//! g(r) tells how many more pairs there are at a distance r than if all were scattered at random:
-//! 1 everywhere for a random scatter, 0 below the distance that things keep, high where they
-//! cluster or line up. It is estimated as pairs found by pairs expected, with the translation
-//! correction for the edges (Ohser 1983; Illian and others, "Statistical Analysis and Modelling of
-//! Spatial Point Patterns", 2008, section 4.3): of a rectangle with the sides w and h the mean area
-//! common with itself moved by r is wh - 2r(w + h)/π + r²/π, and what is wrapped loses nothing.
-//! Because pairs and expectations are kept, curves of several scenes add up.
+//! g(r) is the number of pairs at a distance r relative to a random scatter: 1 everywhere for a random
+//! scatter, 0 below the least distance of elements, high where they cluster or line up. It is estimated as
+//! pairs found by pairs expected, with the translation correction for the edges (Ohser 1983; Illian and
+//! others, "Statistical Analysis and Modelling of Spatial Point Patterns", 2008, section 4.3): of a rectangle
+//! with the sides w and h the mean area common with itself moved by r is wh - 2r(w + h)/π + r²/π, and what is
+//! wrapped loses nothing. Because pairs and expectations are kept, curves of several scenes add up.
 
 use super::{Layout, wrapped};
 use crate::element::CategoryId;
@@ -37,14 +36,14 @@ pub struct CorrelationCurve {
     /// Pairs found, for each bin of distances. Bins are equally wide and end at
     /// [`PairCorrelations::REACH`] mean neighbour distances.
     pub pairs: Vec<f64>,
-    /// Pairs expected of a random scatter; 0 where the canvas is too small to tell.
+    /// Pairs expected of a random scatter; 0 for distances too large for the canvas.
     pub expected: Vec<f64>,
 }
 
 /// The distance between two sets of curves.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Difference {
-    /// Root mean square of the differences of g, weighted by what they are known to.
+    /// Root mean square of the differences of g, weighted by their precision.
     pub rms: f64,
     /// The same as it would be on average if both were independent samples of one process, from the
     /// numbers of pairs alone. A scene made from the exemplar may well come closer.
@@ -100,7 +99,7 @@ impl PairCorrelations {
                     if a == b { numbers[a] * (numbers[a] - 1.0) / 2.0 } else { numbers[a] * numbers[b] };
                 let expected = |k: usize| {
                     let (from, to) = (k as f64 * width, (k + 1) as f64 * width);
-                    // A bin that is cut off would be counted in part only.
+                    // A bin that is cut off would be counted only in part.
                     if to > covariance.limit { 0.0 } else { possible.max(0.0) * covariance.share(from, to) }
                 };
                 let expected: Vec<f64> = (0..BINS).map(expected).collect();
@@ -127,9 +126,9 @@ impl PairCorrelations {
         }
     }
 
-    /// How far the curves of the same categories are apart. Each bin counts by what it is known to:
-    /// the inverse of its variance if all were scattered at random. None if there is no bin in which
-    /// both expect a pair at all.
+    /// The difference of the curves of the same categories. Each bin is weighted by its precision: the
+    /// inverse of its variance under random scattering. `None` if there is no bin in which both expect a
+    /// pair.
     pub fn difference(&self, other: &Self) -> Option<Difference> {
         let (mut weights, mut squares, mut noise) = (0.0, 0.0, 0.0);
         for (a, b) in self.curves.iter().zip(&other.curves) {
@@ -153,19 +152,19 @@ impl PairCorrelations {
 }
 
 impl CorrelationCurve {
-    /// g for each bin; none where no pair is expected.
+    /// g for each bin; `None` where no pair is expected.
     pub fn values(&self) -> Vec<Option<f64>> {
         self.pairs.iter().zip(&self.expected).map(|(p, e)| (*e > 0.0).then(|| p / e)).collect()
     }
 }
 
-/// How much of a rectangle is common with itself moved, on average over all directions: as a
-/// polynomial in the distance.
+/// The overlap of a rectangle with its shifted copy, averaged over all directions, as a polynomial in the
+/// distance.
 struct Covariance {
     area: f64,
     linear: f64,
     square: f64,
-    /// Largest distance at which it is true.
+    /// Largest distance at which it is valid.
     limit: f64,
 }
 
@@ -350,7 +349,7 @@ mod tests {
         assert!(values(0)[4].unwrap() > 1.2);
         assert!(values(1)[0].unwrap() > 2.0, "{:?}", values(1));
         assert!(values(2)[..4].iter().all(|g| *g == Some(0.0)));
-        // Alike is alike, shuffled categories are not.
+        // Equal curves have distance 0, those of shuffled categories have not.
         assert_eq!(found.difference(&found).unwrap().rms, 0.0);
         let mixed: Vec<(u16, [f64; 2])> =
             points.iter().map(|p| (if random.chance(0.25) { 2 } else { 4 }, p.1)).collect();
@@ -363,7 +362,7 @@ mod tests {
     fn nothing_and_too_little_have_no_difference() {
         let empty = PairCorrelations::new(&layout([10.0; 2], true, &[]), LibraryId(0), &ids([0, 1]), 1.0);
         assert_eq!(empty.difference(&empty), None);
-        // Wider than the canvas can tell.
+        // Distances too large for the canvas.
         let point = [(0, [1.0, 1.0]), (0, [2.0, 2.0])];
         let small = PairCorrelations::new(&layout([3.0; 2], false, &point), LibraryId(0), &ids([0]), 100.0);
         assert_eq!(small.curves[0].values(), vec![None; BINS]);

@@ -1,28 +1,28 @@
 //! Cycle consistency: whether a scene that is drawn and analysed again has the elements that it was made of
 //! (Tu, dissertation, equation 4.32 and section 7.2).
 //!
-//! When this works badly: scenes whose elements lie on others of the same colour, because what cannot be
-//! seen cannot be found.
+//! When this works badly: scenes whose elements lie on others of the same colour, because invisible borders
+//! cannot be found.
 
 use crate::element::{Appearance, Gaussian};
 use crate::scene::{Role, Scene};
 use serde::Serialize;
 use vtex_base::geometry::{NearPoints, Point, Table, assign, shortest_offset};
 
-/// Costs in the assignment are this many to one.
+/// Integer costs of the assignment per unit of cost.
 const UNIT: f64 = 1e6;
 /// Largest cost of a pair. Elements one root of their area apart, twice as large or of opposite shades cost
 /// about 1.
 const MOST: f64 = 2.0;
-/// Least share of an element that is seen for it to count.
+/// Least visible share of an element that counts.
 const SEEN: f64 = 0.6;
-/// Side of the cells in which it is counted what is seen, in pixels.
+/// Side of the cells by which visible areas are counted, in pixels.
 const CELL: f64 = 2.0;
 
-/// How well the individual elements of a scene are found again.
+/// Measures of how well the individual elements of a scene are found again.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Cycle {
-    /// Elements of the scene that count: whole on the canvas, and mostly seen.
+    /// Elements of the scene that count: whole on the canvas, and mostly visible.
     pub elements: usize,
     /// Share of these that has a partner, 0 to 1.
     pub matched: f64,
@@ -32,20 +32,20 @@ pub struct Cycle {
     pub size: f64,
     /// Mean distance of their median colours, in Oklab times 100.
     pub colour: f64,
-    /// Mean cost over all elements that count, where one without partner costs most: 0 for perfect
-    /// consistency, 2 for none.
+    /// Mean cost over all elements that count; an element without a partner has the largest cost. 0 for
+    /// perfect consistency, 2 for none.
     pub cost: f64,
 }
 
-/// An element as it is compared.
+/// The properties of an element that are compared.
 struct ComparedElement {
     gaussian: Gaussian,
     colour: [f32; 3],
 }
 
 impl Cycle {
-    /// Compares the individual elements of a scene with those of what analysis makes of its picture, a scene
-    /// of the same size.
+    /// Compares the individual elements of a scene with those of `again`, the scene of the same size that
+    /// analysis of its picture gives.
     pub fn between(scene: &Scene, again: &Scene) -> Self {
         let (items, found) = (visible(scene), items(again));
         let points: Vec<Point> = found.iter().map(|item| item.gaussian.mean).collect();
@@ -62,7 +62,7 @@ impl Cycle {
             });
             row
         });
-        // An element without a partner costs as much as the dearest pair.
+        // An element without a partner costs as much as the costliest pair.
         let partners = assign(&Table::new(rows.collect()), found.len(), (MOST * UNIT) as i64);
         let mut sums = Self { elements: items.len(), ..Self::default() };
         let mut pairs = 0.0;
@@ -91,7 +91,7 @@ impl Cycle {
     }
 }
 
-/// How two elements differ.
+/// The differences of two elements.
 struct ElementDifference {
     /// In roots of the area.
     distance: f64,
@@ -132,8 +132,8 @@ fn all(scene: &Scene) -> Vec<Option<ComparedElement>> {
     of.filter(|(_, role)| role.is_individual()).map(item).collect()
 }
 
-/// The individual elements that lie whole on the canvas and are mostly seen: of the ellipse of two standard
-/// deviations no other that is painted later hides more than the rest.
+/// The individual elements that lie whole on the canvas and are mostly visible: elements painted later hide
+/// only a small share of their ellipse of two standard deviations.
 fn visible(scene: &Scene) -> Vec<ComparedElement> {
     let items = all(scene);
     let canvas = [f64::from(scene.width), f64::from(scene.height)];

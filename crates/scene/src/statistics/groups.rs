@@ -1,7 +1,7 @@
-//! Groups of primaries that stand as they stand in the exemplar, and copies of such groups.
+//! Groups of primaries with the same arrangement as in the exemplar, and copies of such groups.
 //!
-//! Placement by correspondences brings neighbours along. One group seen twice is what an eye finds first
-//! in a large texture.
+//! Placement by correspondences copies neighbours together, and a repeated group is the most conspicuous
+//! fault of a large texture.
 
 use super::{Centre, Layout};
 use crate::element::ElementId;
@@ -15,25 +15,25 @@ use vtex_base::parallel;
 const NEIGHBOURS: usize = 5;
 /// Largest difference of two offsets that are the same, along each axis, in pixels.
 const SAME: f64 = 1.5;
-/// Most primaries of a group that may come twice unseen.
+/// Most primaries that two copies may share without being noticed.
 const UNSEEN: usize = 6;
-/// Places along each axis at which windows are looked through.
+/// Number of places along each axis at which windows are tested.
 const WINDOWS: usize = 16;
 
-/// Groups that stand as in the exemplar, and how near their copies are.
+/// Groups with the same arrangement as in the exemplar, and the distances of their copies.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Groups {
     /// Share of the primaries placed whose five nearest neighbours are those of the exemplar, at the
     /// same offsets, 0 to 1.
     pub kept: f64,
-    /// Primaries of the largest connected group of such.
+    /// Number of primaries of the largest connected group of these.
     pub largest: usize,
     /// Pairs of groups that have more than six primaries in common.
     pub copies: usize,
     /// Shortest distance between two such copies, in pixels.
     pub shortest: Option<f64>,
-    /// Share of the windows of the exemplar's size in which more than six primaries of one group stand
-    /// twice, 0 to 1.
+    /// Share of the windows of the exemplar's size in which more than six primaries of one group occur twice,
+    /// 0 to 1.
     pub windows: f64,
 }
 
@@ -41,7 +41,7 @@ pub struct Groups {
 #[derive(Clone, Copy)]
 struct PlacedPrimary {
     centre: Centre,
-    /// From where it stands in the exemplar to where it was placed, in pixels.
+    /// Offset from its place in the exemplar to its place on the canvas, in pixels.
     offset: Point,
 }
 

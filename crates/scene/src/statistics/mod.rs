@@ -1,11 +1,11 @@
-//! How primaries are arranged: what they hide of one another, how often they repeat, and how the
-//! centres of categories keep together or apart.
+//! Measures of the arrangement of primaries: overlap, repetition, and pair correlation of the centres of
+//! categories.
 //!
-//! All of it works on plain data, so the arrangement of an exemplar and any scene are measured
-//! alike. On a canvas that tiles, an instance stands for all its copies.
+//! They work on plain data, so an exemplar and any scene are measured in the same way. On a canvas that
+//! tiles, an instance stands for all its copies.
 //!
-//! When this works badly: [`PairCorrelations`] takes the canvas for evenly filled, so it says little of
-//! scenes in a domain, under a map of densities or of several libraries.
+//! When this works badly: [`PairCorrelations`] assumes that the canvas is evenly filled, so it is not
+//! meaningful for scenes in a domain, with a map of densities or of several libraries.
 
 mod correlation;
 mod cycle;
@@ -23,7 +23,7 @@ use crate::element::{CategoryId, ElementId};
 use crate::library::{ExemplarElement, Library};
 use crate::scene::{LibraryId, Scene, Tile};
 
-/// A primary that stands somewhere.
+/// A placed primary.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Centre {
     /// Its library.
@@ -36,7 +36,7 @@ pub struct Centre {
     pub at: [f64; 2],
 }
 
-/// Where primaries stand in a rectangle.
+/// The places of primaries in a rectangle.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Layout {
     /// Width and height of the rectangle, in pixels.
@@ -48,9 +48,9 @@ pub struct Layout {
 }
 
 impl Layout {
-    /// The exemplar's own arrangement, as library 0. Unless the exemplar tiles, a strip as wide as
-    /// the mean radius of its primaries is left out all around: of those cut by the border, only
-    /// the middle of what the photograph shows is known.
+    /// The exemplar's own arrangement, as library 0. Unless the exemplar tiles, a strip as wide as the mean
+    /// radius of its primaries is left out all around: of primaries cut by the border, only the centre of the
+    /// visible part is known.
     pub fn of_library(library: &Library) -> Self {
         let all = Self::whole(library);
         if all.tile.both() || library.primaries().is_empty() {
@@ -96,7 +96,7 @@ impl Layout {
         }
     }
 
-    /// The part between two corners, which no longer repeats: what has its centre there.
+    /// The primaries with their centre between two corners; the part does not repeat.
     pub fn window(&self, from: [f64; 2], to: [f64; 2]) -> Self {
         let inside = |c: &&Centre| (0..2).all(|k| c.at[k] >= from[k] && c.at[k] < to[k]);
         let moved = |c: &Centre| Centre { at: [c.at[0] - from[0], c.at[1] - from[1]], ..*c };
@@ -113,8 +113,8 @@ impl Layout {
     }
 }
 
-/// Mean distance between neighbouring primaries of an exemplar, in pixels: what the reach of its
-/// descriptors is a multiple of.
+/// Mean distance between neighbouring primaries of an exemplar, in pixels. The reach of descriptors is a
+/// multiple of it.
 pub fn neighbour_distance(library: &Library) -> f64 {
     let pixels = f64::from(library.descriptor_half) / library.source.parameters.descriptor_reach;
     pixels.max(1.0) / library.pixels_per_unit()

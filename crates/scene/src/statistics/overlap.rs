@@ -1,4 +1,4 @@
-//! How much primaries hide of one another.
+//! Overlap of primaries.
 //!
 //! The canvas is painted in bands of rows, so memory does not grow with its height; shapes are the
 //! pixels of the exemplar's arrangement.
@@ -164,7 +164,7 @@ fn turned(stamp: &Stamp<'_>) -> Vec<Span> {
     let low = corners.into_iter().reduce(|a, b| Point::new(a.x.min(b.x), a.y.min(b.y)));
     let high = corners.into_iter().reduce(|a, b| Point::new(a.x.max(b.x), a.y.max(b.y)));
     let (Some(low), Some(high)) = (low, high) else { return Vec::new() };
-    // Nothing to be seen of a shape that is flat, or larger than any canvas.
+    // A degenerate shape, or one larger than any canvas, has no pixels.
     let determinant = stamp.transform.determinant();
     if !(determinant.abs() > 1e-6 && (high - low).hypot2() < 1e9) {
         return Vec::new();
@@ -207,11 +207,11 @@ mod tests {
         // 16 of 116 px; the small one, on top, hides a sixth of the large one.
         let one = of(&[at(&large, 20.0, 60.0), at(&small, 22.0, 62.0)]);
         assert!((one.hidden - 16.0 / 116.0).abs() < 1e-12 && one.buried == 0.0, "{one:?}");
-        // The other way round all of the small one is hidden, across the border of two bands too.
+        // In the other order all of the small one is hidden, across the border of two bands too.
         let two = of(&[at(&small, 22.0, 62.0), at(&large, 20.0, 60.0)]);
         assert!((two.hidden - 16.0 / 116.0).abs() < 1e-12 && two.buried == 0.5, "{two:?}");
-        // Pixels off the canvas count for nothing: 50 px of each are on it, of the lower ones none
-        // can be seen.
+        // Pixels off the canvas do not count: 50 px of each are on it, those of the lower ones are all
+        // hidden.
         let three = of(&[at(&large, -5.0, 0.0), at(&large, -5.0, 0.0), at(&large, 200.0, 0.0)]);
         assert_eq!(three, Overlap { hidden: 0.5, buried: 0.5 });
     }

@@ -1,4 +1,4 @@
-//! How often the same textons come back, and how near to one another.
+//! Repetition of the same textons, and the distances of their copies.
 
 use super::{Layout, neighbour_distance, wrapped};
 use crate::element::ElementId;
@@ -7,25 +7,25 @@ use crate::scene::LibraryId;
 use crate::scene::Scene;
 use serde::Serialize;
 
-/// Copies nearer than this, in mean neighbour distances, are seen as such.
+/// Copies nearer than this, in mean neighbour distances, are noticeable.
 const NEAR: f64 = 2.0;
 
-/// How often the same primaries come back.
+/// Repetition of the same primaries.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Repetition {
     /// Different primaries that were placed.
     pub textons: usize,
-    /// Primaries that could have been placed.
+    /// Number of primaries that may be placed.
     pub placeable: usize,
-    /// Share of the one placed most often among all placed, 0 to 1.
+    /// Share of the most frequent primary among all placed ones, 0 to 1.
     pub largest_share: f64,
-    /// Share of the placed ones with a copy nearer than two mean neighbour distances, 0 to 1.
+    /// Share of the placed primaries with a copy nearer than two mean neighbour distances, 0 to 1.
     pub near: f64,
-    /// How far copies are apart; none if nothing was placed twice.
+    /// Distances of copies; `None` if no primary was placed twice.
     pub copies: Option<CopyDistances>,
 }
 
-/// How far copies of one primary are apart, from centre to centre.
+/// Distances of copies of one primary, from centre to centre.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct CopyDistances {
     /// The shortest distance, in pixels.
@@ -93,7 +93,7 @@ fn nearest(places: &[[f64; 2]], period: [Option<f64>; 2]) -> Vec<f64> {
     if places.len() < 2 {
         return Vec::new();
     }
-    // Along x the copies around the torus are listed, along y distances wrap.
+    // Copies around the torus are listed along x; distances wrap along y.
     let shifted = |by: f64| places.iter().enumerate().map(move |(i, p)| (i, [p[0] + by, p[1]]));
     let images: Vec<(usize, [f64; 2])> = match period[0] {
         Some(w) => shifted(-w).chain(shifted(0.0)).chain(shifted(w)).collect(),
@@ -109,11 +109,11 @@ fn nearest(places: &[[f64; 2]], period: [Option<f64>; 2]) -> Vec<f64> {
             if other != i {
                 best = best.min(dx * dx + dy * dy);
             }
-            // Whether any further along x can be nearer.
+            // Whether a place farther along x can be nearer.
             dx * dx < best
         };
         let (before, after) = images.split_at(middle + i);
-        // `all` stops at the first for which the answer is no.
+        // `all` stops at the first that cannot be nearer.
         before.iter().rev().all(&mut look);
         after.iter().all(&mut look);
         libm::sqrt(best)
@@ -157,7 +157,7 @@ mod tests {
         assert_eq!((copies.median, copies.median_neighbours), (5.0, 2.5));
         assert_eq!(r.near, 0.0);
         assert_eq!(Repetition::new(&layout(plane, &centres), 7, &[3.0, 1.0]).near, 0.4);
-        // Nothing comes twice.
+        // No primary occurs twice.
         assert_eq!(Repetition::new(&layout(plane, &centres[2..]), 7, &[1.0, 1.0]).copies, None);
     }
 

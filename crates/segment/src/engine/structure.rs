@@ -1,8 +1,8 @@
 //! Checks the structure of ONNX files before rten reads them.
 //!
 //! rten 0.27 hangs on varints of ten bytes or more, which occur in damaged files. It also adds up lengths of
-//! axes in 32 bits, and allocates whatever a network asks for, so the process ends if there is not enough
-//! memory. The check walks through the whole file but skips weights, so it is fast.
+//! axes in 32 bits, and allocates all memory that a network requests, so the process ends if there is not
+//! enough. The check walks through the whole file but skips weights, so it is fast.
 
 use std::io::{BufRead, Seek};
 
@@ -65,8 +65,8 @@ const DEEPEST: u32 = 100;
 const LONGEST_NAME: u64 = 1000;
 /// Most integers of a tensor that may be the lengths of axes: two for each of sixteen.
 const MOST_LENGTHS: u64 = 32;
-/// Integers beyond which an axis cannot be as long. Larger than [`NO_END`] are those that mean the end of an
-/// axis, whatever its length.
+/// Integers above this cannot be lengths of axes. Those above [`NO_END`] stand for the end of an axis,
+/// whatever its length.
 const LONGEST_AXIS: u64 = 1 << 31;
 const NO_END: u64 = 1 << 62;
 
@@ -115,7 +115,8 @@ impl<R: BufRead + Seek> Walk<R> {
                             self.values.push(String::from_utf8_lossy(&name).into_owned());
                             continue;
                         }
-                        // 64-bit integers, if they are that; floats are so large only by chance.
+                        // 64-bit integers, if the tensor holds integers; floats have such bits only by
+                        // chance.
                         (Message::Tensor, 9) if length <= 8 * MOST_LENGTHS && length.is_multiple_of(8) => {
                             raw = self.bytes(length, end)?;
                             continue;
@@ -150,7 +151,7 @@ impl<R: BufRead + Seek> Walk<R> {
         Ok(())
     }
 
-    /// Refuses an integer, as two's complement, that asks for an axis longer than any memory.
+    /// Refuses an integer, as two's complement, that stands for an axis longer than any memory.
     fn check_axis(&self, number: u64) -> Result<(), String> {
         let size = (number as i64).unsigned_abs();
         if (LONGEST_AXIS..NO_END).contains(&size) {
@@ -233,7 +234,7 @@ mod tests {
         for far in [1 << 31, -(1 << 40), 125_000_000_000] {
             assert!(checked(&raw(far)).unwrap_err().contains("along an axis"), "{far}");
         }
-        // Floats of the same bytes say nothing of lengths.
+        // Floats of the same bytes are not lengths.
         checked(&of(&[&[0x10, 1, 0x4a, 8], &(1i64 << 40).to_le_bytes()[..]].concat())).unwrap();
         let packed = [0x10, 7, 0x3a, 6, 0x80, 0x80, 0x80, 0x80, 0x80, 0x01];
         assert!(checked(&of(&packed)).unwrap_err().contains("along an axis"));

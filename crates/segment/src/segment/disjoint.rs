@@ -7,7 +7,7 @@ use vtex_base::raster::{Connectivity, LabelMap, Mask, Span, components_of_mask};
 /// Largest share of its pixels that a mask may lose to masks of higher worth.
 const MOST_LOST: f32 = 0.25;
 
-/// Indices of the masks that are worth something, best first; ties go to the first.
+/// Indices of the masks with a score above 0, best first; ties go to the first.
 pub(super) fn by_worth(offers: &[ScoredMask]) -> Vec<usize> {
     let worth = |offer: &ScoredMask| worth(offer.mask.area() as f32, offer.score);
     let mut order: Vec<(f32, usize)> = offers.iter().map(worth).zip(0..).collect();
@@ -16,7 +16,8 @@ pub(super) fn by_worth(offers: &[ScoredMask]) -> Vec<usize> {
     order.into_iter().map(|(_, k)| k).collect()
 }
 
-/// Masks of the highest worth, first come first served. Each is what is left of one of `offers`, in one piece.
+/// Disjoint masks, chosen greedily in order of worth. Each is the remaining part of one of `offers`, in one
+/// piece.
 pub(super) fn disjoint(offers: &[ScoredMask], width: u32, height: u32) -> Vec<ScoredMask> {
     let mut taken = LabelMap::filled(width, height, 0);
     let mut found = Vec::new();

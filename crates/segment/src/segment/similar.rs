@@ -70,12 +70,12 @@ impl SimilarMasks {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct SimilarMask {
     pub(super) index: usize,
-    /// Their IoU is at most this.
+    /// Upper bound of their IoU.
     pub(super) most: f32,
 }
 
-/// The most that the IoU of two masks may be, given their boxes and areas; 0 if one area is more than twice
-/// the other.
+/// Upper bound of the IoU of two masks, given their boxes and areas; 0 if one area is more than twice the
+/// other.
 fn most((a, area): (Bounds, u32), (b, other): (Bounds, u32)) -> f32 {
     let (width, height) = (a.2.min(b.2) - a.0.max(b.0), a.3.min(b.3) - a.1.max(b.1));
     if width <= 0 || height <= 0 || area.min(other) * 2 < area.max(other) {

@@ -31,7 +31,7 @@ fn passes_through_every_point() {
 #[test]
 fn its_slope_is_continuous_in_every_point() {
     let mut f = field(300.0, 300.0, 20.0, 5);
-    // Stays away from 0 and 255, where values are clamped.
+    // Avoids 0 and 255, where values are clamped.
     f.points.iter_mut().for_each(|p| p.colour.0 = p.colour.0.map(|v| 64 + v / 2));
     let i = Interpolant::new(&f, 300, 300, PLANE);
     // The slope of a cone changes equally at every scale.

@@ -1,8 +1,8 @@
 //! "Segment everything": prompts a network on grids from coarse to fine, and filters the masks.
 //!
 //! A point is skipped if a confident mask explains it or if the network expects nothing there. Of each mask
-//! the piece under its point is kept, and masks that are nearly alike are merged. The generator knows
-//! networks only as [`Prompter`].
+//! the piece under its point is kept, and nearly equal masks are merged. The generator knows networks only as
+//! [`Prompter`].
 
 use super::proposal::Proposal;
 use super::{Embedded, PromptMask, Prompter};

@@ -25,7 +25,7 @@ pub(super) struct Proposal {
     pub(super) stability: f32,
     /// Number of prompts that gave this mask or a duplicate of it.
     pub(super) votes: u32,
-    /// Its pixels, once they are wanted.
+    /// Its pixels, computed on first use.
     pub(super) pixels: OnceLock<Mask>,
 }
 

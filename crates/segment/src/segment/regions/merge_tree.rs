@@ -92,7 +92,7 @@ impl RimSums {
     }
 }
 
-/// A region: a basin, with the shallow ones united with it, or the union of several.
+/// A region: a basin with the shallow basins joined to it, or the union of several regions.
 #[derive(Clone, Debug)]
 pub(super) struct MergedRegion {
     pub(super) sums: PixelSums,
@@ -101,7 +101,7 @@ pub(super) struct MergedRegion {
     pub(super) weight: f32,
     /// Its node.
     node: u32,
-    /// The first of its borders, and their number, with those that are gone.
+    /// The first of its borders, and the number of its borders, removed ones included.
     first: u32,
     borders: u32,
 }
@@ -133,7 +133,7 @@ struct RegionBorder {
     next: [u32; 2],
 }
 
-/// Where a list of borders ends.
+/// The end of a list of borders.
 const END: u32 = u32::MAX;
 
 /// The nodes in order of creation: basins first, children before parents.
@@ -233,7 +233,7 @@ fn key(a: u32, b: u32) -> u64 {
 #[derive(Clone, Copy)]
 struct MergeProperties {
     mean: [f32; 3],
-    /// How much cheaper the region is to merge for its size: 1, or less if it is small.
+    /// Factor of the weight of a merge by the region's size: 1, or less if it is small.
     size: f32,
 }
 
@@ -279,7 +279,7 @@ impl Queue {
         queue
     }
 
-    /// Lets a border wait under a new weight. A larger one is taken into account when its turn comes.
+    /// Lowers the weight under which a border waits. A weight that rose is updated when the border is popped.
     fn lower(&mut self, border: u32, weight: f32) {
         if weight.to_bits() < self.least[border as usize] {
             self.push(border, weight);
@@ -328,8 +328,8 @@ impl MergedRegion {
 impl Tree {
     /// Merges neighbours, least weight first (ties: the older border), until none are left. The first regions
     /// are those of `labels`, and `counts` the number of basins in each. `share` is the weight of the step
-    /// across the border; the rest is that of the difference of means. Each node is shown to `see` once, with
-    /// its number, the region, and the union that it becomes part of, if any: regions are not kept.
+    /// across the border; the rest is that of the difference of means. `see` is called once for each node,
+    /// with its number, the region, and the union that it becomes part of, if any; regions are not stored.
     pub(super) fn new(
         field: &GradientImage,
         labels: &[u32],

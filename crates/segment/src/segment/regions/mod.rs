@@ -1,11 +1,10 @@
 //! The built-in segmenter: a tree of merged regions, whose texton-like nodes are selected.
 //!
-//! Basins of the colour gradient, of which shallow ones are part of others, are merged in the order of
-//! their difference and of the strength of the border between them. Each node of the tree is measured:
-//! size, shape, contrast to its surroundings, strength and consistency of its rim, homogeneity up to
-//! shading, lifetime in the tree. A small network fitted to procedural scenes scores it, and the
-//! disjoint set of nodes with the largest total worth is selected. The rest is background. There are no
-//! parameters.
+//! Basins of the colour gradient (shallow ones are joined to others first) are merged in the order of their
+//! difference and of the strength of the border between them. Each node of the tree is measured: size, shape,
+//! contrast to its surroundings, strength and consistency of its rim, homogeneity up to shading, lifetime in
+//! the tree. A small network fitted to procedural scenes scores it, and the disjoint set of nodes with the
+//! largest total worth is selected. The rest is background. There are no parameters.
 //!
 //! Works badly for elements without borders of their own: grass, fur, crumpled leaves on leaves.
 
@@ -55,7 +54,7 @@ pub struct NodeCandidate {
     pub features: [f32; FEATURES],
 }
 
-/// A tree over the whole image, with something for each node that may be a texton.
+/// A tree over the whole image, with a value for each node that may be a texton.
 struct ScoredTree<T> {
     labels: Vec<u32>,
     tree: Tree,
@@ -217,8 +216,8 @@ impl Segmenter for Regions {
     }
 }
 
-/// The built-in segmenter with the middle one of its trees only: it finds fewer elements in half the
-/// time. For pictures whose elements nobody will move.
+/// The built-in segmenter with the middle one of its trees only: it finds fewer elements in half the time. It
+/// suits pictures that are only drawn, not edited.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct OneTree;
 

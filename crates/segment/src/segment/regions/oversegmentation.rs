@@ -35,7 +35,7 @@ impl ScaledOklabImage {
     }
 }
 
-/// Depth below the lowest point of its rim from which a basin is a region of its own. More than half of all
+/// Depth below the lowest point of its rim from which a basin is a region by itself. More than half of all
 /// basins are less deep; without them a tree is built in a third of the time.
 const SHALLOW: f32 = 1.0;
 
@@ -95,8 +95,8 @@ impl GradientImage {
         basins.indices()
     }
 
-    /// Basins as those of [`GradientImage::basins`], each shallow one united with the neighbour that it would overflow
-    /// into (ties: the one of the lower number), and how many of those are in each.
+    /// Basins as those of [`GradientImage::basins`], each shallow one united with the neighbour that it would
+    /// overflow into (ties: the one of the lower number), and the number of basins in each.
     pub(super) fn deep_basins(&self) -> (Vec<u32>, Vec<u32>) {
         let (mut labels, count) = self.basins();
         // The lowest point of each basin and of its rim, and the neighbour there.
@@ -174,7 +174,7 @@ mod tests {
         for (&f, &label) in fine.iter().zip(&labels) {
             assert_eq!(*of_fine[f as usize].get_or_insert(label), label);
         }
-        // Far from the step nothing reaches across it.
+        // No region far from the step crosses it.
         let side = |from: usize| (0..20).flat_map(move |y| (from..from + 26).map(move |x| y * 60 + x));
         let left: std::collections::BTreeSet<u32> = side(0).map(|i| labels[i]).collect();
         assert!(side(34).all(|i| !left.contains(&labels[i])));

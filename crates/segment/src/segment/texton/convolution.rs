@@ -48,7 +48,7 @@ impl Convolution {
         Self { form, matrices, bias: bias.to_vec(), rectified: true }
     }
 
-    /// The same, but negative sums stay.
+    /// The same convolution without rectification.
     pub(super) fn linear(self) -> Self {
         Self { rectified: false, ..self }
     }
@@ -68,7 +68,7 @@ impl Convolution {
         output
     }
 
-    /// Adds to the sums what `output` holds.
+    /// Adds the sums to the values of `output`.
     pub(super) fn add_to(&self, input: &FeatureMaps, output: &mut FeatureMaps) {
         self.run(input, output, 0, true);
     }

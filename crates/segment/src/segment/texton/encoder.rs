@@ -15,7 +15,7 @@ use vtex_base::error::Error;
 pub(super) const CHANNELS: usize = 32;
 /// The first of the two channels of the predicted centre.
 pub(super) const CENTRE: usize = 16;
-/// Unit of predicted centres, and how far they may lie away, in pixels.
+/// Unit of predicted centres, and their largest distance, in pixels.
 pub(super) const UNIT: f32 = 16.0;
 const REACH: f32 = 96.0;
 
@@ -55,7 +55,7 @@ impl Down {
     }
 }
 
-/// Maps of twice the size joined with those that were there before.
+/// Enlarges maps to twice the size and joins them with earlier maps of that size.
 struct Up {
     narrow: Convolution,
     join: Residual,
@@ -145,7 +145,7 @@ impl TextonEncoder {
         up3.join(x4, &mut x3);
         up2.join(x3, &mut x2);
         up1.join(x2, &mut x1);
-        // The two last together, a band at a time: nothing else would take as much memory.
+        // The last two are computed together, a band at a time, because they would take the most memory.
         let mut out = FeatureMaps::zeros(CHANNELS, x1.width, x1.height);
         for first in (0..out.height).step_by(BAND) {
             let rows = first..out.height.min(first + BAND);

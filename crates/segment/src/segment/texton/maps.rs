@@ -50,7 +50,7 @@ impl FeatureMaps {
         self.values[start..start + rows.values.len()].copy_from_slice(&rows.values);
     }
 
-    /// Does `f(k, rows)` for each `count` rows (fewer at the end), on several threads.
+    /// Calls `f(k, rows)` for each `count` rows (fewer at the end), on several threads.
     pub(super) fn for_rows(&mut self, count: usize, f: impl Fn(usize, &mut [f32]) + Sync + Send) {
         for_chunks(&mut self.values, count * self.width * self.channels, f);
     }

@@ -1,4 +1,4 @@
-//! Products of cells with matrices of weights, and what becomes of them.
+//! Products of cells with matrices of weights, and the storage of the sums.
 
 use super::maps::WIDE;
 use rten_simd::ops::{BitOps, NumOps};

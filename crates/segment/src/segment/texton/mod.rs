@@ -147,7 +147,7 @@ impl Texton {
         let features = map(&offers, |offer| {
             let mut origin = offer.origin;
             let mut near = index.near(&offer.mask, 0.0);
-            // Those that may be the most similar come first; most others need not be compared then.
+            // Candidates with the highest bounds first, so that most others need no comparison.
             near.sort_by(|a, b| b.most.total_cmp(&a.most));
             for SimilarMask { index, most } in near {
                 let other = &offers[index];
