@@ -22,7 +22,7 @@ Examples:
 
 Exit codes: 0 done, 1 failed, 2 wrong usage, 130 interrupted.";
 
-/// The commands stand before the options, in groups.
+/// The commands precede the options, in groups.
 const TEMPLATE: &str = "{about}\n\n{usage-heading} {usage}\n\n{before-help}Options:\n{options}{after-help}";
 
 /// Commands that belong together. Others are hidden.

@@ -77,7 +77,8 @@ mod tests {
         assert!(borders_join(&clouds(48, 96)));
         assert!(!borders_join(&crop_imm(&clouds(96, 96), 0, 0, 80, 96).to_image()), "across");
         assert!(!borders_join(&crop_imm(&clouds(96, 96), 0, 0, 96, 70).to_image()), "down");
-        // A slope joins nowhere, noise everywhere, and one colour tells nothing.
+        // The borders of a slope do not join, those of noise always do, and an image of one colour has no
+        // evidence.
         assert!(!borders_join(&RgbImage::from_fn(64, 64, |x, y| Rgb([(x + y) as u8; 3]))));
         let noise = |x: u32, y: u32| {
             (x.wrapping_mul(2_654_435_761) ^ y.wrapping_mul(0x85eb_ca6b)).wrapping_mul(0x2c1b_3c6d)

@@ -304,7 +304,7 @@ fn joined(before: &[u32], after: &[u32]) -> BTreeMap<u32, u32> {
     meet.into_iter().filter(|(pair, n)| *n as f64 > MEETS * longer(pair)).map(|(pair, _)| pair).collect()
 }
 
-/// First and last pixel of each label along both axes; of a label that does not occur, nothing.
+/// First and last pixel of each label along both axes; an empty range for a label that does not occur.
 fn bounds(map: &LabelMap) -> Vec<[[u32; 2]; 2]> {
     let count = map.labels.iter().max().map_or(0, |most| *most as usize) + 1;
     let mut bounds = vec![[[u32::MAX, 0]; 2]; count];

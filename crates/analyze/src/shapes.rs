@@ -45,7 +45,7 @@ pub(super) struct ExemplarPieces {
     pub(super) details: Vec<Vec<Cells<Mask>>>,
     /// The secondaries.
     pub(super) secondaries: Vec<FlatPatch>,
-    /// What a piece has to be worth.
+    /// The cost that a piece must save.
     pub(super) cost: RateDistortion,
     /// The colours of all pieces, if these are limited.
     pub(super) palette: Palette,

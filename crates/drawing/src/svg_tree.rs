@@ -38,7 +38,7 @@ pub struct SvgFault {
 
 /// Advice where bytes are no SVG.
 pub const COMPLETE: &str = "it must be an SVG or SVGZ; is the file complete?";
-/// Advice where a part is beyond what is read.
+/// Advice for parts that are beyond the limits.
 const SHAPES: &str = "turn it into plain shapes in the program that made it";
 
 impl From<String> for SvgFault {

@@ -59,8 +59,8 @@ impl FileKind {
     }
 }
 
-/// Packs what is written as gzip, always to the same bytes: no time, no name. Call
-/// [`GzEncoder::finish`] at the end.
+/// Packs output as gzip, always to the same bytes: without time and name. Call [`GzEncoder::finish`] at the
+/// end.
 pub fn gzip<W: Write>(out: W) -> GzEncoder<W> {
     GzBuilder::new().mtime(0).write(out, Compression::best())
 }

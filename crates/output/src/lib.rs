@@ -39,8 +39,8 @@ const LARGEST_PICTURE: u64 = 1 << 30;
 /// Size of a picture of a canvas at a scale, in pixels: rounded, at least 1 × 1.
 ///
 /// # Errors
-/// A scale that is not positive and finite; a picture larger than [`LARGEST_PICTURE`], `name` being
-/// what is drawn.
+/// A scale that is not positive and finite; a picture larger than [`LARGEST_PICTURE`], where `name` is the
+/// drawn file.
 fn picture_size(width: f64, height: f64, scale: f64, name: &str) -> Result<(u32, u32)> {
     vtex_base::error::check(scale.is_finite() && scale > 0.0, "scale", scale, "a number above 0")?;
     let side = |v: f64| libm::round(v * scale).max(1.0);

@@ -85,7 +85,7 @@ fn paint_background(background: &PreparedBackground, scale: [f64; 2], top: usize
     }
 }
 
-/// A shape to which something is clipped, on the picture.
+/// A clip shape, in pixels of the picture.
 pub(super) struct ClipRegion(Vec<(tiny_skia::Path, Affine)>);
 
 impl ClipRegion {

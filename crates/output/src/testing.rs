@@ -52,8 +52,8 @@ fn gradient(radius: f64, base: [f64; 3], rng: &mut Stream) -> Gradient {
     Gradient::linear(from, to, [colour(base, 40.0, rng), colour(base, 40.0, rng)])
 }
 
-/// Overlapping stones with details, holes, turns and mirrors over small chips on a cloudy background.
-/// Some textons stand often, some once, one nowhere; some instances hang over the border.
+/// Overlapping stones with details, holes, turns and mirrors over small chips on a cloudy background. Some
+/// textons occur often, some once, one never; some instances cross the border.
 pub(super) fn scene(width: u32, height: u32, seed: u64) -> Scene {
     let mut rng = stream(seed, "output/test-scene", 0);
     let rng = &mut rng;
@@ -98,7 +98,7 @@ pub(super) fn scene(width: u32, height: u32, seed: u64) -> Scene {
             } else {
                 shift
             };
-            // The last three textons of the range stand once, once and nowhere.
+            // The last three textons of the range occur once, once and never.
             let many = range.len() - 3;
             let which = if i < 2 { many + i } else { (i * 7 + i * i) % many };
             id += 1;

@@ -1,4 +1,4 @@
-//! Points scattered over the canvas, each the owner of what lies nearest to it.
+//! Points scattered over the canvas; each owns the places nearest to it.
 
 use super::grid::Grid;
 use vtex_base::sampling::{Area, Stream, poisson_disk};
@@ -74,7 +74,7 @@ fn distance2(a: [i32; 2], b: [i32; 2]) -> i64 {
     dx * dx + dy * dy
 }
 
-/// Points of the canvas, each the owner of what lies nearest to it.
+/// Points of the canvas; each owns the places nearest to it.
 pub(crate) struct Sites {
     /// The sites, then their copies on the other sides of seams.
     centres: Vec<[i32; 2]>,

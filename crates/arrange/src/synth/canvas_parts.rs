@@ -106,8 +106,8 @@ struct JoinedScene {
 }
 
 impl JoinedScene {
-    /// Adds what a texture shows in its part. One that repeats its period as it is may be cut at the border
-    /// of its part, others show whole elements.
+    /// Adds the elements of a texture in its part. A texture that repeats its period exactly may be cut at
+    /// the border of its part; others keep elements whole.
     fn add(&mut self, scene: Scene, part: usize, group: &[usize], (region, period): (Option<Outline>, bool)) {
         let still = scene.parameters.as_ref().is_some_and(|p| p.variation == Some(0.0));
         let cut = period && still;

@@ -19,7 +19,7 @@ pub(crate) struct Placement<'a> {
     pub(crate) layer: usize,
 }
 
-/// What a placement shows.
+/// The content of a placement.
 pub(crate) enum What<'a> {
     /// An element of a library, in a colour of its own or in the element's.
     Known(LibraryId, ElementId, Option<Colour>),
@@ -29,7 +29,7 @@ pub(crate) enum What<'a> {
     Kept(&'a Instance),
 }
 
-/// A scene of some layers, in which nothing stands yet.
+/// A scene with layers but without elements.
 pub(crate) fn blank(
     libraries: &[Library],
     params: &SynthParams,
@@ -74,7 +74,7 @@ pub(crate) fn compose<'a>(
     scene
 }
 
-/// What a placed primary shows, and its transform.
+/// The content of a placed primary, and its transform.
 pub(crate) fn primary<'a>(
     arrangement: &'a PlacementResult<'_>,
     placed: &crate::arrange::PlacedElement,

@@ -38,7 +38,7 @@ use vtex_scene::scene::{Ablation, InstanceId, Layer, LibraryId, Method, Role, Sc
 
 /// Largest canvas, in pixels.
 const LARGEST_CANVAS: u64 = 400_000_000;
-/// Memory per pixel of the canvas, in bytes: seven of the target map, and its share of what is placed
+/// Memory per pixel of the canvas, in bytes: seven of the target map, and the share of placed elements
 /// (measured on sandy concrete, which has the most).
 const BYTES_PER_PIXEL: u64 = 25;
 

@@ -10,8 +10,8 @@ use vtex_base::progress::Progress;
 use vtex_scene::library::{ElementId, Library, SourceKind};
 use vtex_scene::scene::{Edge, InstanceId, Layer, LibraryId, Scene, SynthParams};
 
-/// Whether the period of a library can be repeated: it is a drawing whose borders join, and nothing asks
-/// for another density or for whole elements along an edge.
+/// Whether the period of a library can be repeated: it is a drawing whose borders join, and no control
+/// requires another density or whole elements along an edge.
 pub(super) fn applies(libraries: &[Library], params: &SynthParams, controls: &Controls) -> bool {
     let [library] = libraries else { return false };
     let drawn = library.source.kind == SourceKind::Drawing

@@ -38,7 +38,7 @@ pub struct SynthReport {
     pub added: u64,
     /// The method that placed the primaries.
     pub method: Method,
-    /// What was copied along the correspondence field, if there was one.
+    /// Measures of the correspondence field, if there is one.
     pub structure: Option<Structure>,
     /// Area of primaries hidden by others.
     pub overlap: Overlap,
@@ -59,7 +59,7 @@ pub struct CategoryReport {
 }
 
 impl SynthReport {
-    /// What can be told of any scene, given how much its categories cover. Nothing is known of how it was placed.
+    /// The report of any scene, given the coverage of its categories, without figures of placement.
     pub(super) fn of_scene(libraries: &[Library], scene: &Scene, categories: Vec<CategoryReport>) -> Self {
         let sum = |of: fn(&CategoryReport) -> f64| categories.iter().map(of).sum::<f64>();
         Self {

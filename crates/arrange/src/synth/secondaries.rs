@@ -385,7 +385,7 @@ impl<'t, 'a> SecondaryFinder<'t, 'a> {
     }
 }
 
-/// A random variation; with a single one, nothing is drawn.
+/// A random variation; a single one needs no draw.
 fn drawn(variations: &[Variation], random: &mut Stream) -> u16 {
     if variations.len() > 1 { random.index(variations.len()) as u16 } else { 0 }
 }

@@ -337,7 +337,7 @@ mod carried {
             assert!((structure.wanted - report.coverage).abs() < 0.04, "{structure:?} {}", report.coverage);
             assert!(structure.fused_share < 0.5 * structure.wanted, "{structure:?}");
             assert!(structure.empty < 0.03 && structure.unwanted < 0.05, "{structure:?}");
-            // What is fused is no larger than an element.
+            // Fused elements are no larger than elements.
             let areas = library.primaries().iter().map(|p| p.outline().area());
             let largest = areas.fold(0.0, f64::max);
             for t in scene.elements.iter().filter(|t| t.fused) {

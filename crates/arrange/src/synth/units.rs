@@ -54,7 +54,7 @@ pub fn synthesize_with(
     let steered = Controls { domain: controls.domain.as_ref().map(|d| d.moved(stretch)), ..controls.clone() };
     let (scene, mut report) =
         in_pixels(&own, &on_pixels, &steered, progress).map_err(|error| in_units(error, params, scale))?;
-    // What repeats without a seam is stretched with the canvas, else copies would not meet.
+    // A period that repeats without a seam is stretched with the canvas; otherwise copies would not meet.
     let elements = if period && params.tile.any() { places } else { scale };
     let scene = scene.scaled(size, elements.map(|v| 1.0 / v));
     let given = |p: SynthParams| SynthParams {

@@ -83,8 +83,8 @@ impl<const N: usize> CmaEs<N> {
         (0..self.population).map(point).collect()
     }
 
-    /// Takes the values of the points that [`CmaEs::ask`] gave, of which less is better. Ties go
-    /// to the first, and what is no number is the worst.
+    /// Takes the values of the points that [`CmaEs::ask`] returned; less is better. Ties go to the first, and
+    /// NaN is the worst.
     pub(super) fn tell(&mut self, points: &[[f64; N]], values: &[f64]) {
         let mut order: Vec<usize> = (0..points.len().min(values.len())).collect();
         let value = |i: usize| if values[i].is_nan() { f64::INFINITY } else { values[i] };

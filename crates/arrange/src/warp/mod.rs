@@ -126,7 +126,7 @@ pub fn warp(
 /// Index of an element among those of the scene, and its place in the new one.
 type Standing = (usize, [f64; 2]);
 
-/// Elements of the scene that stand in the new one.
+/// Elements of the scene that remain in the new one.
 fn carry(
     scene: &Scene,
     bend: &Bend,

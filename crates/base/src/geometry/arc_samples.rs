@@ -109,7 +109,7 @@ impl ArcSamples {
         Self { arcs, smoothed, refined }
     }
 
-    /// Smoothed within one cell, so almost nothing crosses.
+    /// Smoothed within one cell, so arcs hardly ever cross.
     pub(super) fn smoothed(&self) -> Points<'_> {
         Points { arcs: &self.arcs, all: &self.smoothed }
     }

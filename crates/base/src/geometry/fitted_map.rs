@@ -227,8 +227,8 @@ fn append_reversed(path: &mut BezPath, c: &FittedArc) {
     }
 }
 
-/// Converts a point of the map to pixels and rounds it to the outlines' grid. Both sides of an arc
-/// round alike.
+/// Converts a point of the map to pixels and rounds it to the outlines' grid. Both sides of an arc are
+/// rounded in the same way.
 fn grid(p: Point, cells: f64) -> Point {
     Point::new(libm::round(p.x / cells / STEP) * STEP, libm::round(p.y / cells / STEP) * STEP)
 }

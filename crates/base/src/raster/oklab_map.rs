@@ -42,7 +42,7 @@ impl OklabMap {
 
     /// A key that is the same for equal maps.
     pub fn key(&self) -> [[u32; 4]; 3] {
-        // Adding 0 makes -0 and 0 alike.
+        // Adding 0 turns -0 into 0.
         self.0.map(|row| row.map(|v| (v + 0.0).to_bits()))
     }
 }

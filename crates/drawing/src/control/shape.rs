@@ -323,7 +323,7 @@ mod tests {
         let apart =
             format!(r#"{ring}<rect x="15" y="15" width="10" height="10"/><path d="M50 0h20v40h-20z"/>"#);
         assert_eq!(area(&apart), 1600.0 - 400.0 + 100.0 + 800.0);
-        // One within the other adds nothing, in either order.
+        // A shape within another adds no area, in either order.
         for inner in [
             r#"<rect width="40" height="40"/><rect x="5" y="5" width="9" height="9"/>"#,
             r#"<rect x="5" y="5" width="9" height="9"/><rect width="40" height="40"/>"#,

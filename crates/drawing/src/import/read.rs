@@ -27,7 +27,7 @@ const FURTHEST: f64 = 100.0;
 const LARGEST_PAGE: f64 = 1e6;
 /// The namespace of SVG.
 const SVG: &str = "http://www.w3.org/2000/svg";
-/// Advice where something cannot be read.
+/// Advice for parts that cannot be read.
 pub const CONVERT: &str = "turn it into plain shapes in the program that made it, or delete it";
 
 /// A drawing as it was read; coordinates are those of its page.

@@ -142,7 +142,7 @@ impl Index {
 
     /// The best fitting candidate, and whether it is turned by half; `None` without candidates.
     fn best(&self, element: &Element, moments: &SecondMoments) -> Option<(usize, bool)> {
-        // An outline that encloses nothing has no shape.
+        // An outline without area has no shape.
         if moments.area <= 0.0 {
             return None;
         }

@@ -54,7 +54,7 @@ pub(super) enum Path {
 
 /// The initial state of an element.
 pub(super) struct Start {
-    /// Where it stands.
+    /// Its place.
     pub(super) at: Point,
     /// Its id, or that of the element that it is a copy of.
     pub(super) id: u64,

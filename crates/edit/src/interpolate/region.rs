@@ -14,7 +14,7 @@ const MOST: f64 = 2000.0;
 /// corners that sampling cuts off lie outside the canvas.
 const AROUND: f64 = 8.0;
 
-/// The part of the canvas that something fills.
+/// The part of the canvas that a layer or scene fills.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Extent<'a> {
     /// All of it.
@@ -54,7 +54,7 @@ impl RegionTween {
         Some(Self { rings: a.into_iter().zip(b).flat_map(|(a, b)| matched(&a, &b)).collect() })
     }
 
-    /// The region at a time. If nothing is left of it, it lies beside the canvas, because what has no
+    /// The region at a time. An empty region is replaced by one beside the canvas, because a layer without a
     /// region fills the canvas.
     pub(super) fn at(&self, when: &Progression) -> Outline {
         let rings: Vec<Ring> = self.rings_at(when).filter(|r| moments(r).0.abs() > 0.5).collect();

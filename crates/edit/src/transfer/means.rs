@@ -73,7 +73,7 @@ fn field(scene: &Scene) -> Vec<[f32; 3]> {
     colours.map(Colour::to_oklab).collect()
 }
 
-/// `None` of nothing.
+/// `None` without colours.
 fn mean(colours: &[[f32; 3]]) -> Option<[f64; 3]> {
     let mut sum = [0.0; 3];
     colours.iter().for_each(|lab| (0..3).for_each(|k| sum[k] += f64::from(lab[k])));

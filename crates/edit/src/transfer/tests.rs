@@ -173,7 +173,7 @@ fn redrawn(keep: Keep) -> Scene {
         .unwrap()
 }
 
-/// Correlation of the lightness of elements with that of the picture where they stand.
+/// Correlation of the lightness of elements with that of the picture at their places.
 fn correlation(scene: &Scene) -> f64 {
     let pairs: Vec<[f64; 2]> = scene
         .gaussians()

@@ -152,8 +152,8 @@ mod tests {
     use super::*;
     use std::time::Instant;
 
-    /// Row V7 of the method: how much faster the tree is than a search of all neighbourhoods, and how much
-    /// farther what it finds, on neighbourhoods of a photograph that it does not hold.
+    /// Row V7 of the method: speed-up of the tree over a search of all neighbourhoods, and the increase of
+    /// the distances found, on neighbourhoods of another photograph.
     #[test]
     #[ignore = "prints figures for docs/measurements/layers.md"]
     fn tree_beside_full_search() {

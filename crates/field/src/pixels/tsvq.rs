@@ -223,7 +223,7 @@ mod tests {
 
     #[test]
     fn a_leaf_of_nearly_all_vectors_costs_no_more_than_others() {
-        // A picture near white: nearly all vectors are alike, few of them equal, and a few are far off.
+        // A picture near white: nearly all vectors are similar, few of them equal, and a few are distant.
         let mut random: Stream = stream(1, "tsvq test", 1);
         let mut near: Vec<f32> = (0..20_000 * LENGTH).map(|_| 1.0 - random.unit() as f32 * 1e-3).collect();
         near.extend((0..7 * LENGTH).map(|k| -((k / LENGTH) as f32)));

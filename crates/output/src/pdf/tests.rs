@@ -77,7 +77,7 @@ fn layers_are_optional_content() {
         let plain = content.split_once("stream\n").unwrap().1;
         assert!(plain.starts_with(".75 0 0 -.75 0 225 cm\nq\n"), "{content}");
         assert_eq!(plain.matches(" cm\n").count(), 1, "{content}");
-        // Every object stands where the table says.
+        // Every object is at the offset in the table.
         let table = text.rsplit_once("xref\n0 ").unwrap().0.rsplit_once("xref\n0 ");
         assert!(table.is_none(), "one table");
         let at: usize = text.rsplit_once("startxref\n").unwrap().1.lines().next().unwrap().parse().unwrap();

@@ -1,6 +1,6 @@
 //! Scene → scene whose SVG stays within a number of bytes.
 //!
-//! Reductions stand on a ladder, the least visible first: fewer decimals; outlines with fewer segments, at a
+//! Reductions form a ladder, the least visible first: fewer decimals; outlines with fewer segments, at a
 //! small tolerance; the least visible details and secondaries, a share of all at a time, with larger and
 //! larger tolerances. A bisection finds the first step of the ladder whose file fits. Primaries and the
 //! background always stay as they are.

@@ -1,10 +1,11 @@
-//! Two scenes → one SVG that plays the way between them, by CSS animations of paths and colours.
+//! Two scenes → one animated SVG that changes the first into the second, by CSS animations of paths and
+//! colours.
 //!
 //! A texton that becomes another is drawn once, as in the first scene, with a rule for its state at the end,
-//! and at half-time if it does not move straight; the viewer interpolates. Programs that know nothing of
-//! animations show the first scene. Outlines are smooth splines: between the middles of the sides of a
-//! polygon run parabolas that touch its sides. As `T` commands these need but one point each, and the numbers
-//! of one path can be turned into those of another one by one.
+//! and at half-time if it does not move straight; the viewer interpolates. Programs without support for
+//! animation show the first scene. Outlines are smooth splines: between the middles of the sides of a polygon
+//! run parabolas that touch its sides. As `T` commands these need but one point each, and the numbers of one
+//! path can be turned into those of another one by one.
 //!
 //! Elements that grow or shrink are animated as paths too: Chromium would make a layer of its own of everything
 //! whose transform is animated, and thousands of them are more than it can paint.

@@ -2,7 +2,7 @@
 //!
 //! The document is that of the scene at rest. Each moving element is in a group that is animated along its
 //! path, by keys with linear motion between them; where all elements turn together, each layer is one such
-//! group. Programs that know nothing of animations show the scene at rest. Shadows move and turn with their
+//! group. Programs without support for animation show the scene at rest. Shadows move and turn with their
 //! elements. Style rules are not used, because browsers make a layer of everything that one moves.
 
 use super::animation::MANY_SHAPES;

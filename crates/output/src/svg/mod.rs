@@ -1,6 +1,6 @@
 //! Scene → SVG: pure vectors in groups that designers find easy to navigate.
 //!
-//! The file is written as a stream; only the background's grid is held in memory. Textons that stand more
+//! The file is written as a stream; only the background's grid is held in memory. Textons that occur more
 //! than once are defined once. Those with details become `<symbol overflow="visible">`, which vector editors
 //! list among their symbols; those of one path become a plain `<path>` that takes the fill of its `<use>`.
 //! References are `xlink:href`, which old and new readers alike understand. A texton that stands once is

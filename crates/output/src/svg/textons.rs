@@ -150,7 +150,7 @@ impl<'a> SvgTextons<'a> {
         self.names.get(&(element.library, element.category?)).map(String::as_str)
     }
 
-    /// Whether every texton is written in full where it stands.
+    /// Whether every texton is written in full at each place.
     pub(super) fn expands(&self) -> bool {
         self.expand
     }
@@ -508,9 +508,9 @@ fn write_opacity<W: Write>(xml: &mut Xml<W>, shape: &Shape) {
     }
 }
 
-/// An id for each element: `t` of one with a category, `f` of a fused one or `s` of one without, its
-/// index in its library, and `-` with the number of the library where there are several. In a scene in
-/// which two are called alike, the later ones have `.` and their index after it.
+/// An id for each element: `t` of one with a category, `f` of a fused one or `s` of one without, its index in
+/// its library, and `-` with the number of the library where there are several. If two would have the same
+/// id, the later ones get `.` and their index appended.
 fn ids(scene: &Scene) -> Vec<String> {
     let mut known = BTreeSet::new();
     let id = |(i, e): (usize, &Element)| {

@@ -60,7 +60,7 @@ impl<W: Write> Xml<W> {
         self.drawn.elements += 1;
     }
 
-    /// Counts what the `<use>` just written shows.
+    /// Adds the load of the definition that the last `<use>` refers to.
     pub(super) fn follow(&mut self, used: ViewerLoad) {
         self.drawn.elements += used.elements;
         self.drawn.references += used.references;
@@ -116,7 +116,7 @@ impl<W: Write> Xml<W> {
         if self.buffer.len() >= BUFFER { self.flush() } else { Ok(()) }
     }
 
-    /// Ends all open elements. Gives the bytes and elements written, and what a viewer meets.
+    /// Ends all open elements. Returns the bytes and elements written, and the load of a viewer.
     pub(super) fn finish(mut self) -> io::Result<(u64, u64, ViewerLoad)> {
         while !self.open.is_empty() {
             self.close()?;

@@ -99,7 +99,7 @@ fn script_data(json: &str) -> String {
     let mut escaped = String::with_capacity(json.len());
     for c in json.chars() {
         match c {
-            // The page shows what stands in its data.
+            // The page shows its data as text.
             c if turns_text(c) => escaped.push('\u{fffd}'),
             '<' | '>' | '&' | '\u{7f}'..='\u{9f}' | '\u{2028}' | '\u{2029}' | '\u{fffe}' | '\u{ffff}' => {
                 escaped.push_str(&format!("\\u{:04x}", u32::from(c)));

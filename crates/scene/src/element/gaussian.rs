@@ -35,7 +35,7 @@ impl Gaussian {
     /// Largest ratio of its axes.
     const LONGEST: f64 = 300.0;
 
-    /// The Gaussian of an outline; `None` if it encloses nothing.
+    /// The Gaussian of an outline; `None` if it has no area.
     pub fn new(outline: &Outline) -> Option<Self> {
         let moments = Moments::new(outline);
         let second = moments.second;

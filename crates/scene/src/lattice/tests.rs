@@ -152,7 +152,7 @@ fn tiles_hold_whole_periods() {
             assert!((phase - libm::round(phase)).abs() < 1e-9, "{size}: {phase}");
         }
     }
-    // Along an axis that does not repeat nothing is stretched.
+    // There is no stretch along an axis that does not repeat.
     let open = bricks.phases_of_tile([790, 470], [true, false]).unwrap();
     let down = |phases: &Phases| phases.waves.iter().map(|wave| wave[1]).collect::<Vec<f64>>();
     assert_eq!(down(&open), down(&bricks.phases()));

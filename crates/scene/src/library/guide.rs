@@ -1,8 +1,7 @@
 //! The guide: the exemplar's mean colours on a coarse grid. Synthesis follows it to preserve structure
 //! larger than a few elements.
 //!
-//! The guide takes 3 to 9 % of the bytes of a library. It does not say which element stands in a cell: the
-//! arrangement does.
+//! The guide takes 3 to 9 % of the bytes of a library. The element in a cell is given by the arrangement.
 
 use crate::lattice::{self, Lattice};
 use base64::Engine as _;

@@ -9,7 +9,7 @@ use vtex_base::geometry::Affine;
 use vtex_base::parallel;
 
 impl Element {
-    /// Its Gaussian, in its own coordinates; `None` if its outline encloses nothing.
+    /// Its Gaussian, in its own coordinates; `None` if its outline has no area.
     pub fn gaussian(&self) -> Option<Gaussian> {
         Gaussian::new(self.outline())
     }

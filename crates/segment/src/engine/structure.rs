@@ -163,7 +163,7 @@ impl<R: BufRead + Seek> Walk<R> {
         Ok(())
     }
 
-    /// Bytes as they stand.
+    /// Raw bytes.
     fn bytes(&mut self, length: u64, end: u64) -> Result<Vec<u8>, String> {
         let mut bytes = vec![0; length as usize];
         if length > end - self.at || self.file.read_exact(&mut bytes).is_err() {

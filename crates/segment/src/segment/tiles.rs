@@ -8,7 +8,7 @@ use image::imageops::crop_imm;
 use vtex_base::error::Result;
 use vtex_base::raster::{Filter, Mask, Span, resized};
 
-/// Largest side of what is segmented at once, in pixels, if the other is as long.
+/// Largest side of a square that is segmented at once, in pixels.
 const LARGEST: u32 = 2200;
 /// Overlap of tiles, in pixels. What is longer is sought at half the size.
 const OVERLAP: u32 = 192;

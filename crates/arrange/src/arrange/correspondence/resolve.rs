@@ -1,4 +1,4 @@
-//! What each instance becomes: a whole element, another like it, a fused one, or nothing.
+//! The elements placed for each instance: a whole element, a similar one, a fused one, or none.
 //!
 //! The main element of an instance is placed whole if it fits. If another element of similar colour and size
 //! fits better, that one is placed. Otherwise the instance becomes a fused element. The more packed the
@@ -19,8 +19,8 @@ use vtex_base::raster::{LabelMap, Mask};
 use vtex_scene::library::{Library, SourceKind};
 use vtex_scene::scene::Element;
 
-/// Least overlap over union of an instance and its main element, where elements stand apart and where they are
-/// packed: there a gap is seen at once.
+/// Least overlap over union of an instance and its main element, for elements that are apart and for packed
+/// elements, where gaps are conspicuous.
 const WHOLE: [f64; 2] = [0.62, 0.74];
 /// Least share of an instance that its main element covers, likewise.
 const COVERED: [f64; 2] = [0.72, 0.86];

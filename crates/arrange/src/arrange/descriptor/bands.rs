@@ -16,7 +16,7 @@ use vtex_base::sampling::WeightTree;
 
 /// Fewest rows of a band.
 const LEAST_ROWS: i32 = 192;
-/// With fewer bands nothing is gained.
+/// Fewest bands that are worth the division.
 const FEWEST: i32 = 4;
 
 /// How the rows of a map are divided.

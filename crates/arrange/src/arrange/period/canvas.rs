@@ -142,7 +142,7 @@ impl<'a> OccupiedCanvas<'a> {
         [cells(start, start + length), cells(0, start + length - width)]
     }
 
-    /// Writes `new` on the pixels of an element; over nothing but `old`, unless that is 0.
+    /// Writes `new` on the pixels of an element; only over `old`, unless that is 0.
     pub(super) fn write(&mut self, p: &PeriodCopy, new: u32, old: u32) {
         let (mask, shift) = self.mask(p);
         let [dx, dy] = shift.map(i64::from);

@@ -42,8 +42,7 @@ struct ExchangePlaces {
 }
 
 impl ExchangePlaces {
-    /// Whether an occupant that satisfies `holds` stands within reach of a site, not counting the sites
-    /// `but`.
+    /// Whether an occupant that satisfies `holds` is within reach of a site, not counting the sites `but`.
     fn any_near(
         &self,
         site: usize,

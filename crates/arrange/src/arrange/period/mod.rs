@@ -167,7 +167,7 @@ fn copies(library: &Library, canvas: [f64; 2], tile: [bool; 2]) -> (f64, f64) {
         let own = vtex_scene::element::bounds(&element.shapes);
         let bounds = Affine::new(instance.transform).transform_rect_bbox(own);
         let side = [bounds.width(), bounds.height()];
-        // Copies beside the canvas stand within a period and a half of it.
+        // Copies beside the canvas are within a period and a half of it.
         let along =
             |k: usize| (canvas[k] + if tile[k] { 0.0 } else { side[k] + 4.0 * period[k] }) / period[k];
         copies += along(0) * along(1);

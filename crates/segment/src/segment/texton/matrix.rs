@@ -18,8 +18,8 @@ pub(super) struct Matrix {
 }
 
 impl Matrix {
-    /// From the weight of each input and output. Inputs beyond these, up to a multiple of [`WIDE`], count
-    /// nothing.
+    /// From the weight of each input and output. Inputs beyond these, up to a multiple of [`WIDE`], have
+    /// weight 0.
     pub(super) fn new(inputs: usize, outputs: usize, weight: impl Fn(usize, usize) -> f32) -> Self {
         let lanes = Lanes.dispatch();
         // AVX2 has half as many registers as the others have.
@@ -59,7 +59,7 @@ impl SimdOp for Lanes {
 }
 
 /// Adds to `sums`, for each cell, the products of its inputs with a strip of weights.
-// No closures here: where one is not inlined, it knows nothing of the vectors.
+// There are no closures here, because one that is not inlined is not vectorized.
 #[inline(always)]
 pub(super) fn multiply<I: Isa, const V: usize>(
     isa: I,

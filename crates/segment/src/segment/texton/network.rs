@@ -149,7 +149,7 @@ impl Embedding {
 /// An embedded image.
 pub(super) struct EmbeddedImage {
     pub(super) embedding: Embedding,
-    /// What every cell adds to the logits of any mask.
+    /// The part of each cell in the logits of any mask.
     texton: Vec<f32>,
     /// Least predicted IoU of a mask.
     least_iou: f32,
