@@ -84,7 +84,7 @@ impl<'a> Lines<'a> {
 
     /// Whether a stroked piece that leaves the page coincides at the other side with lines of its own paint,
     /// so that its copies draw the same picture as the page.
-    pub(super) fn go_on(&mut self, piece: &DrawingPiece) -> bool {
+    pub(super) fn continues(&mut self, piece: &DrawingPiece) -> bool {
         let Some((path, stroke, paint)) = stroked(piece) else { return false };
         let step = self.step(stroke);
         let inside = page(self.size);

@@ -69,7 +69,7 @@ impl Torus {
         let mut cut = vec![false; pieces.len()];
         for k in alone {
             let forgotten = few && self.is_forgotten(k, &pieces, &bounds);
-            cut[k] = !forgotten && !lines.go_on(&pieces[k]);
+            cut[k] = !forgotten && !lines.continues(&pieces[k]);
         }
         let clip = Clip::rect(page(self.size));
         for (piece, cut) in pieces.iter_mut().zip(cut) {
@@ -111,7 +111,7 @@ impl Torus {
                 let alike = shift != [0; 2]
                     && off <= self.same
                     && (areas[a] - areas[b]).abs() <= AREA * areas[a].abs().max(self.same * self.same)
-                    && alike(&pieces[a], &pieces[b]);
+                    && same_paint(&pieces[a], &pieces[b]);
                 copy[b] |= alike;
                 repeated[a] |= alike;
             }
@@ -132,8 +132,9 @@ impl Torus {
         let shifts: [Shift; 4] = [[1, 0], [-1, 0], [0, 1], [0, -1]];
         let missing = |(over, shift): (&f64, Shift)| {
             let there = b + self.vector(shift);
-            let met =
-                |(other, bounds): (&DrawingPiece, &Rect)| bounds.overlaps(there) && alike(other, &all[k]);
+            let met = |(other, bounds): (&DrawingPiece, &Rect)| {
+                bounds.overlaps(there) && same_paint(other, &all[k])
+            };
             *over <= self.near || !all.iter().zip(bounds).any(met)
         };
         over.iter().zip(shifts).all(missing)
@@ -338,7 +339,7 @@ impl Torus {
 }
 
 /// Whether two pieces have the same paint.
-fn alike(a: &DrawingPiece, b: &DrawingPiece) -> bool {
+fn same_paint(a: &DrawingPiece, b: &DrawingPiece) -> bool {
     let same = |(p, q): (&PieceShape, &PieceShape)| {
         let plain = p.paint.gradient.is_some() == q.paint.gradient.is_some();
         p.stroke.is_some() == q.stroke.is_some() && p.paint.colour == q.paint.colour && plain

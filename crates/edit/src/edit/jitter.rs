@@ -85,15 +85,15 @@ fn placed(instance: &mut Instance, amounts: &mut Amounts<'_>, angle: f64, period
     if jitter.stretch > 0.0 {
         let ratio = libm::sqrt(1.0 + amounts.either_way(jitter.stretch) / 100.0);
         let stretched = rotation(angle) * Affine::scale_non_uniform(ratio, 1.0 / ratio) * rotation(-angle);
-        within(instance, stretched, periods);
+        map_first(instance, stretched, periods);
     }
     if jitter.flip > 0.0 && amounts.random.chance(jitter.flip) {
-        within(instance, Affine::FLIP_X, periods);
+        map_first(instance, Affine::FLIP_X, periods);
     }
 }
 
 /// Changes an instance's map before it is applied.
-fn within(instance: &mut Instance, map: Affine, periods: [Option<f64>; 2]) {
+fn map_first(instance: &mut Instance, map: Affine, periods: [Option<f64>; 2]) {
     let [.., x, y] = instance.transform;
     let [a, b, c, d, ..] = (instance.affine() * map).as_coeffs();
     set(instance, [a, b, c, d, x, y], periods);

@@ -58,7 +58,7 @@ pub(super) fn propagate(
     match what {
         Propagated::Over(shapes) => {
             let under = |k: &usize| named.is_none_or(|named| named == *k);
-            let Some((found, map)) = beneath(scene, chosen, &gaussians, shapes)
+            let Some((found, map)) = element_beneath(scene, chosen, &gaussians, shapes)
                 .filter(|(found, _)| under(found))
                 .and_then(|(found, period)| Some((found, drawn_over(scene, found, period)?)))
             else {
@@ -138,7 +138,7 @@ const FARTHEST: f64 = 6.0;
 /// The selected element on which shapes are drawn: the one whose mean is nearest to the middle of their
 /// bounds by its own covariance; ties go to the one painted last. Also the shift, in whole periods, from the
 /// element to its copy on which they are drawn.
-fn beneath(
+fn element_beneath(
     scene: &Scene,
     chosen: &Chosen,
     gaussians: &[Option<Gaussian>],

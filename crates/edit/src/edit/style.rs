@@ -10,7 +10,7 @@ use vtex_scene::scene::{Element, Instance, Scene, Shadow, Shape, Stroke};
 const DECIMALS: u8 = 1;
 
 /// A length on the canvas in a texton's own pixels, to a hundredth, from 0.01.
-fn own(length: f64, size: f64) -> f64 {
+fn in_own_pixels(length: f64, size: f64) -> f64 {
     (libm::round(100.0 * length / size.max(1e-6)) / 100.0).max(0.01)
 }
 
@@ -18,14 +18,14 @@ pub(super) fn shadow(scene: &mut Scene, chosen: &Chosen, angle: f64, length: f64
     let angle = angle.to_radians();
     let offset = [libm::cos(angle), libm::sin(angle)].map(|v| libm::round(100.0 * length * v) / 100.0);
     for instance in selected_mut(scene, chosen) {
-        let blur = if blur == 0.0 { 0.0 } else { own(blur, size(instance)).min(Shadow::WIDEST) };
+        let blur = if blur == 0.0 { 0.0 } else { in_own_pixels(blur, size(instance)).min(Shadow::WIDEST) };
         instance.shadow = (opacity > 0.0).then_some(Shadow { offset, opacity, blur });
     }
 }
 
 pub(super) fn outline(scene: &mut Scene, chosen: &Chosen, width: f64, colour: Colour) {
     for instance in selected_mut(scene, chosen) {
-        let own = own(width, size(instance)).min(Stroke::WIDEST);
+        let own = in_own_pixels(width, size(instance)).min(Stroke::WIDEST);
         instance.stroke = (width > 0.0).then_some(Stroke { width: own, colour });
     }
 }
@@ -35,10 +35,10 @@ pub(super) fn outline(scene: &mut Scene, chosen: &Chosen, width: f64, colour: Co
 pub(super) fn keep_widths(instance: &mut Instance, before: f64) {
     let now = size(instance);
     if let Some(stroke) = &mut instance.stroke {
-        stroke.width = own(stroke.width * before, now).min(Stroke::WIDEST);
+        stroke.width = in_own_pixels(stroke.width * before, now).min(Stroke::WIDEST);
     }
     if let Some(shadow) = instance.shadow.as_mut().filter(|shadow| shadow.blur > 0.0) {
-        shadow.blur = own(shadow.blur * before, now).min(Shadow::WIDEST);
+        shadow.blur = in_own_pixels(shadow.blur * before, now).min(Shadow::WIDEST);
     }
 }
 

@@ -155,7 +155,7 @@ pub(super) fn patches(
     let mut out = Vec::with_capacity(details[0].len() + details[1].len());
     for [i, k] in found.pairs {
         let pair = [&details[0][i as usize], &details[1][k as usize]];
-        if let Some(rings) = both([&pair[0].rings, &pair[1].rings], turn) {
+        if let Some(rings) = paired_rings([&pair[0].rings, &pair[1].rings], turn) {
             let centre = |side: usize| moments(&pair[side].rings[0]).1;
             let paints = [0, 1].map(|side| Some((pair[side].paint.clone(), centre(side))));
             out.push(MovingDetail { rings, paints, keys: [key(0, i), key(1, k)] });
@@ -179,7 +179,7 @@ pub(super) fn patches(
 
 /// Pairs two shapes by their first rings. Further rings (holes) vanish or appear. `None` if either
 /// shape has no ring.
-fn both(rings: [&[Ring]; 2], turn: f64) -> Option<Vec<MovingRing>> {
+fn paired_rings(rings: [&[Ring]; 2], turn: f64) -> Option<Vec<MovingRing>> {
     let (a, b) = (rings[0].first()?, rings[1].first()?);
     let n = count(a, b);
     let (a, mut b) = (even(a, n), even(b, n));

@@ -58,7 +58,7 @@ impl RegionTween {
     /// region fills the canvas.
     pub(super) fn at(&self, when: &Progression) -> Outline {
         let rings: Vec<Ring> = self.rings_at(when).filter(|r| moments(r).0.abs() > 0.5).collect();
-        Outline::along(&rings, TOLERANCE).filter(|o| !o.is_empty()).unwrap_or_else(beside)
+        Outline::along(&rings, TOLERANCE).filter(|o| !o.is_empty()).unwrap_or_else(outside_canvas)
     }
 
     fn rings_at(&self, when: &Progression) -> impl Iterator<Item = Ring> {
@@ -113,7 +113,7 @@ impl DomainTween {
 }
 
 /// An outline outside the canvas.
-fn beside() -> Outline {
+fn outside_canvas() -> Outline {
     let mut path = BezPath::new();
     path.move_to((-2.0, -2.0));
     path.line_to((-1.0, -2.0));

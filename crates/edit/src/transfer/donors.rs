@@ -57,8 +57,8 @@ impl<'a> Donors<'a> {
 
     /// A donor for an element, drawn from those of its role with a similar elongation. `None` if there is
     /// none of its role.
-    pub(super) fn like(&self, role: Role, own: &Gaussian, mut random: Stream) -> Option<&Donor<'a>> {
-        let alike = self.alike(role, own)?;
+    pub(super) fn draw(&self, role: Role, own: &Gaussian, mut random: Stream) -> Option<&Donor<'a>> {
+        let alike = self.of_elongation(role, own)?;
         Some(&alike[random.index(alike.len())].1)
     }
 
@@ -69,12 +69,12 @@ impl<'a> Donors<'a> {
         own: &Gaussian,
         distance: impl Fn(&Instance) -> f32,
     ) -> Option<&Donor<'a>> {
-        let alike = self.alike(role, own)?.iter().map(|(_, donor)| (distance(donor.instance), donor));
+        let alike = self.of_elongation(role, own)?.iter().map(|(_, donor)| (distance(donor.instance), donor));
         alike.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, donor)| donor)
     }
 
     /// The donors of a role with an elongation similar to an element's; `None` if there are none.
-    fn alike(&self, role: Role, own: &Gaussian) -> Option<&[(f64, Donor<'a>)]> {
+    fn of_elongation(&self, role: Role, own: &Gaussian) -> Option<&[(f64, Donor<'a>)]> {
         let (_, donors) = self.of_role.iter().find(|(known, donors)| *known == role && !donors.is_empty())?;
         let wanted = elongation(own);
         let count = (libm::ceil(donors.len() as f64 * NEAREST) as usize).max(FEWEST).min(donors.len());

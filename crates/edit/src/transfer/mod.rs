@@ -188,7 +188,7 @@ impl Work<'_> {
                     return true;
                 };
                 let random = stream(self.params.seed, "transfer/replace", instance.id.0.into());
-                let Some(donor) = donors[region].like(role, &own, random) else {
+                let Some(donor) = donors[region].draw(role, &own, random) else {
                     report.removed += 1;
                     return false;
                 };

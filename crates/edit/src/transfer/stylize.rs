@@ -279,7 +279,7 @@ fn composed(painting: &Painting<'_>, view: &StretchedPicture, spots: &[Spot], la
             Keep::None => {
                 donors.nearest(*role, &spot.gaussian, |i| squared_distance(colour_of(i), spot.colour))
             }
-            Keep::Lightness | Keep::Color => donors.like(*role, &spot.gaussian, random),
+            Keep::Lightness | Keep::Color => donors.draw(*role, &spot.gaussian, random),
         };
         let Some(donor) = donor else { continue };
         let mut instance = Instance { id: InstanceId(k as u32), ..donor.instance.clone() };

@@ -217,7 +217,7 @@ struct RowProgress<'p> {
 
 impl RowProgress<'_> {
     /// Reports a row of cells; false once the work was stopped.
-    fn goes_on(&self, cells: usize) -> bool {
+    fn keep_going(&self, cells: usize) -> bool {
         let done = self.done.fetch_add(cells as u64, Ordering::Relaxed) + cells as u64;
         // Cells between two reports.
         const EVERY: u64 = 1 << 14;

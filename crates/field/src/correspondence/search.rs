@@ -129,7 +129,7 @@ impl LevelCanvas {
         let mut found: Vec<(u32, i32)> =
             this.sources.iter().copied().zip(this.costs.iter().copied()).collect();
         parallel::for_chunks(&mut found, this.size[0], |y, found| {
-            if !watch.goes_on(this.size[0]) {
+            if !watch.keep_going(this.size[0]) {
                 return;
             }
             for (x, found) in found.iter_mut().enumerate() {
@@ -188,7 +188,7 @@ impl LevelCanvas {
             let this = &*self;
             let mut rows: Vec<Vec<(usize, u32)>> = vec![Vec::new(); this.size[1]];
             parallel::for_chunks(&mut rows, 1, |y, changes| {
-                if y % 2 != py || !watch.goes_on(this.size[0] / 2) {
+                if y % 2 != py || !watch.keep_going(this.size[0] / 2) {
                     return;
                 }
                 for x in (px..this.size[0]).step_by(2) {

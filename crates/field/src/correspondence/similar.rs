@@ -50,7 +50,7 @@ impl Similar {
         let mut cells = vec![[NONE; KEPT]; atlas.inside.len()];
         let row = atlas.stride * LANES;
         parallel::for_chunks(&mut cells, atlas.stride, |y, cells| {
-            if !watch.goes_on(0) {
+            if !watch.keep_going(0) {
                 return;
             }
             for (x, kept) in cells.iter_mut().enumerate() {

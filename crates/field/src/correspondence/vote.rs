@@ -31,7 +31,7 @@ impl LevelCanvas {
         let mut values = std::mem::take(&mut self.values);
         let this = &*self;
         parallel::for_chunks(&mut values[REACH * row..(REACH + this.size[1]) * row], row, |y, values| {
-            if !watch.goes_on(width) {
+            if !watch.keep_going(width) {
                 return;
             }
             for x in 0..width {
