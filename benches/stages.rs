@@ -113,7 +113,7 @@ fn measure_analysis(photo: &Path, place: &Path) -> Outcome<Value> {
         "stages": stages,
         "peak_bytes": peak,
         "library_bytes": bytes.len(),
-        "library_gzip_bytes": packed(|out| Ok(out.write_all(&bytes)?))?,
+        "library_gzip_bytes": packed(|out| out.write_all(&bytes))?,
         "reconstruction_svg_bytes": svg::write(&scene, &svg::SvgOptions::default(), io::sink())?.bytes,
         "reconstruction_psnr": psnr(&exemplar.image, picture.data()),
     }))
@@ -129,7 +129,7 @@ fn measure_synthesis(library: &Path, side: u32) -> Outcome<Value> {
     let svg_bytes = svg::write(&scene, &options, io::sink())?.bytes;
     let peak = peak_memory();
     watch.next("svgz");
-    let svgz_bytes = packed(|out| svg::write(&scene, &options, out).map(|_| ()).map_err(Into::into))?;
+    let svgz_bytes = packed(|out| svg::write(&scene, &options, out).map(|_| ()))?;
     watch.next("png");
     let mut png_bytes = Count(0);
     png::encode(&png::render(&scene, 1.0)?, Some(params.seed), &mut png_bytes)?;
@@ -172,7 +172,7 @@ impl Write for Count {
 }
 
 /// Size in bytes of the compressed output of `content`.
-fn packed(content: impl FnOnce(&mut dyn Write) -> Outcome) -> Outcome<u64> {
+fn packed(content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<u64> {
     let mut out = file::gzip(Count(0));
     content(&mut out)?;
     Ok(out.finish()?.0)

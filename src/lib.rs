@@ -42,7 +42,7 @@ pub use vtex_base::{Error, PROGRAM, Progress, Result};
 /// The library's error type: what went wrong, where, and what to try.
 pub mod error {
     #[doc(inline)]
-    pub use vtex_base::error::{EditFault, Error, Result};
+    pub use vtex_base::error::{EditFault, Error, Large, Result};
 }
 
 /// Unpacking of gzip, with a bound on what comes out.
@@ -116,7 +116,7 @@ pub mod geometry {
 /// Drawing → library: an SVG read as elements in layers.
 pub mod import {
     #[doc(inline)]
-    pub use vtex_drawing::import::{CONVERT, Grouping, ImportParams, drawn, import, is_drawing};
+    pub use vtex_drawing::import::{Grouping, ImportParams, drawn, import, is_drawing};
 }
 
 /// Two scenes → a scene between them: textons move and change into those of the other scene (paper

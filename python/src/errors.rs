@@ -106,19 +106,18 @@ fn hint(error: &Error) -> Option<String> {
             "use an export with 32-bit inputs and outputs, or try engine='rten'"
         }
         Error::Edit { fault: EditFault::TooFar(_), .. } => "give smaller numbers",
+        Error::Edit { fault: EditFault::LikeNothing, .. } => "give drawing or of, which the others are like",
         Error::Edit { fault: EditFault::NoLayer { known, .. }, .. } => {
             return Some(format!("layer takes {}", known.join(", ")));
         }
         Error::Edit { fault: EditFault::BackgroundCondition, .. } => {
             "its points are told apart by x, y, inside and outside"
         }
-        Error::Control { role: "a drawing", advice, .. } if *advice == vtex::import::CONVERT => {
-            return Some(format!("{advice}; lenient=True leaves it out"));
+        Error::Undrawable { .. } => {
+            return error.hint().map(|advice| advice + "; lenient=True leaves it out");
         }
-        Error::Parameter { name: "size", value, .. } if value.contains("the drawing repeats") => {
-            "give another size, or method='descriptor', which fits any"
-        }
-        Error::Control { role: "a library of the scene", .. } => {
+        Error::DrawingPeriods { .. } => "give another size, or method='descriptor', which fits any",
+        Error::OtherLibrary { .. } => {
             "give the libraries that the scene was made from: scene.exemplars names them"
         }
         Error::Periods { nearest: Some([w, h]), .. } => {

@@ -28,8 +28,8 @@ pub(crate) struct WritingOptions {
     background: Option<String>,
 }
 
-fn failed(error: io::Error) -> Error {
-    Error::write(Path::new("-"), error)
+fn in_memory(error: io::Error) -> Error {
+    Error::write(Path::new("memory"), error)
 }
 
 impl WritingOptions {
@@ -54,7 +54,7 @@ impl WritingOptions {
     ///
     /// # Errors
     /// Those of the writers and of [`reduce::to_fit`].
-    fn write(&self, scene: &Scene, kind: FileKind, out: &mut dyn Write) -> Result<Vec<String>> {
+    fn write(&self, scene: &Scene, kind: FileKind, out: &mut dyn Write) -> io::Result<Vec<String>> {
         let FileKind { format, gzip } = kind;
         match format {
             Format::Svg => return self.write_svg(scene, gzip, out),
@@ -68,7 +68,7 @@ impl WritingOptions {
         Ok(Vec::new())
     }
 
-    fn write_svg(&self, scene: &Scene, gzip: bool, out: &mut dyn Write) -> Result<Vec<String>> {
+    fn write_svg(&self, scene: &Scene, gzip: bool, out: &mut dyn Write) -> io::Result<Vec<String>> {
         let options = SvgOptions { precision: self.precision, expand: self.expand, css: self.css };
         let Some(most) = self.max_bytes else {
             return Ok(packed(gzip, out, |out| svg::write(scene, &options, out))?.warnings);
@@ -76,7 +76,7 @@ impl WritingOptions {
         let measure = |scene: &Scene, options: &SvgOptions| {
             let mut out = Sealed::new(PythonByteCounter(0));
             packed(gzip, &mut out, |out| svg::write(scene, options, out))?;
-            Ok(out.finish().map_err(failed)?.0)
+            io::Result::Ok(out.finish()?.0)
         };
         let reduced = reduce::to_fit(scene, &options, most, measure)?;
         Ok(packed(gzip, out, |out| svg::write(&reduced.scene, &reduced.options, out))?.warnings)
@@ -88,8 +88,8 @@ impl WritingOptions {
     /// As [`WritingOptions::save`].
     pub(crate) fn bytes(&self, scene: &Scene, kind: FileKind) -> Result<(Vec<u8>, Vec<String>)> {
         let mut out = Sealed::new(Vec::new());
-        let warnings = self.write(&*self.scene(scene)?, kind, &mut out)?;
-        Ok((out.finish().map_err(failed)?, warnings))
+        let warnings = self.write(&*self.scene(scene)?, kind, &mut out).map_err(in_memory)?;
+        Ok((out.finish().map_err(in_memory)?, warnings))
     }
 
     /// Writes a file; its size and warnings of the writer.
@@ -127,20 +127,20 @@ impl Write for PythonByteCounter {
 fn packed<T>(
     pack: bool,
     out: &mut dyn Write,
-    content: impl FnOnce(&mut dyn Write) -> Result<T>,
-) -> Result<T> {
+    content: impl FnOnce(&mut dyn Write) -> io::Result<T>,
+) -> io::Result<T> {
     if !pack {
         return content(out);
     }
     let mut packed = Sealed::new(gzip(out));
     let value = content(&mut packed)?;
-    packed.finish().and_then(|packed| packed.finish()).map_err(failed)?;
+    packed.finish()?.finish()?;
     Ok(value)
 }
 
 /// Writes a document, packed if asked to.
-fn write_document(json: &[u8], pack: bool, out: &mut dyn Write) -> Result<()> {
-    packed(pack, out, |out| out.write_all(json).map_err(failed))
+fn write_document(json: &[u8], pack: bool, out: &mut dyn Write) -> io::Result<()> {
+    packed(pack, out, |out| out.write_all(json))
 }
 
 /// Writes a document's file, packed if asked to; its size.
@@ -157,8 +157,8 @@ pub(crate) fn save_document(path: &Path, force: bool, pack: bool, json: &[u8]) -
 /// None that can be expected: memory is written to.
 pub(crate) fn gzipped(json: &[u8]) -> Result<Vec<u8>> {
     let mut out = gzip(Vec::new());
-    out.write_all(json).map_err(failed)?;
-    out.finish().map_err(failed)
+    out.write_all(json).map_err(in_memory)?;
+    out.finish().map_err(in_memory)
 }
 
 /// A value as JSON.

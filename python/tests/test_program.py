@@ -36,9 +36,9 @@ def made(program, photo_path, tmp_path_factory):
     run(
         "warp", "p.scene.json.gz", "p.lib.json", "--cage", "a.svg", "--to", "b.svg", "--edge", "avoid", "-o", "bent.svg"
     )
-    run("interp", "p.scene.json.gz", "t.scene.json", "--at", "0.4", "-o", "at.scene.json")
+    run("animate", "p.scene.json.gz", "t.scene.json", "--at", "0.4", "-o", "at.scene.json")
     for place in ("x", "radial", "map.png"):
-        run("interp", "p.scene.json.gz", "t.scene.json", "--morph", place, "-o", f"morph-{place}.svg")
+        run("animate", "p.scene.json.gz", "t.scene.json", "--morph", place, "-o", f"morph-{place}.svg")
     run("transfer", "--structure", "p.scene.json.gz", "--appearance", "t.lib.json", "-o", "replaced.scene.json")
     run(
         *("transfer", "--structure", "p.lib.json", "--appearance", "t.lib.json", "p.scene.json.gz", "--map", "map.png"),
@@ -46,9 +46,9 @@ def made(program, photo_path, tmp_path_factory):
     )
     run("vectorize", photo_path, "-o", "vectors.svg")
     run("vectorize", photo_path, "--colors", "8", "--wrap=on", "-o", "poster.scene.json")
-    run("stylize", photo_path, "--with", "t.lib.json", "-o", "drawn.svg")
+    run("transfer", "--onto", photo_path, "--appearance", "t.lib.json", "-o", "drawn.svg")
     run(
-        *("stylize", photo_path, "--with", "t.scene.json", "--keep", "none", "--longer-side", "200"),
+        *("transfer", "--onto", photo_path, "--appearance", "t.scene.json", "--keep", "none", "--longer-side", "200"),
         *("--element-size", "20", "--levels", "2", "-o", "small-drawn.svg"),
     )
     return folder

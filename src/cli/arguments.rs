@@ -2,7 +2,6 @@
 
 use super::commands::Command;
 use super::options::global::Global;
-use super::short_help;
 use clap::builder::styling::{AnsiColor, Styles};
 use clap::{Arg, CommandFactory, Parser};
 use std::ffi::OsString;
@@ -25,25 +24,21 @@ Exit codes: 0 done, 1 failed, 2 wrong usage, 130 interrupted.";
 /// The commands precede the options, in groups.
 const TEMPLATE: &str = "{about}\n\n{usage-heading} {usage}\n\n{before-help}Options:\n{options}{after-help}";
 
-/// Commands that belong together. Others are hidden.
-const GROUPS: [(&str, &[&str]); 4] = [
-    ("Make", &["texture", "vectorize", "batch", "raster"]),
-    ("Take apart", &["analyze", "synth", "render", "layers", "inspect"]),
-    ("Change", &["edit", "transfer", "stylize", "warp", "interp", "animate"]),
-    ("Judge", &["metrics", "check", "tune", "doctor", "models"]),
-];
+/// Groups of commands, each from its first command on.
+const GROUPS: [(&str, &str); 4] =
+    [("texture", "Make"), ("analyze", "Take apart"), ("edit", "Change"), ("metrics", "Judge")];
 
 /// The commands of each group, with what they do.
 fn groups(command: &clap::Command) -> String {
-    let width = GROUPS.iter().flat_map(|(_, names)| *names).map(|name| name.len()).max().unwrap_or(0);
-    let line = |name: &&str| {
-        let about = command.find_subcommand(name).and_then(clap::Command::get_about);
-        format!("  {name:width$}  {}\n", about.map(ToString::to_string).unwrap_or_default())
+    let shown: Vec<_> = command.get_subcommands().filter(|sub| !sub.is_hide_set()).collect();
+    let width = shown.iter().map(|sub| sub.get_name().len()).max().unwrap_or(0);
+    let line = |sub: &&clap::Command| {
+        let name = sub.get_name();
+        let title = GROUPS.iter().find(|(first, _)| *first == name).map(|(_, title)| format!("\n{title}:\n"));
+        let about = sub.get_about().map(ToString::to_string).unwrap_or_default();
+        format!("{}  {name:width$}  {about}\n", title.unwrap_or_default())
     };
-    let group = |(title, names): &(&str, &[&str])| {
-        format!("{title}:\n{}", names.iter().map(line).collect::<String>())
-    };
-    GROUPS.iter().map(group).collect::<Vec<_>>().join("\n").trim_end().to_owned()
+    shown.iter().map(line).collect::<String>().trim().to_owned()
 }
 
 /// Turn a photograph of a texture into an editable vector texture of any size
@@ -57,39 +52,43 @@ pub(crate) struct Cli {
     pub(crate) command: Option<Command>,
 }
 
+const WORK: [&str; 2] = ["seed", "debug_dir"];
+const PARAMETERS: [&str; 3] = ["threads", "config", "dump_config"];
+const TELLING: [&str; 3] = ["quiet", "verbose", "json"];
+
+/// Options of all commands that mean nothing to one: it takes them, and its help does not show them.
+fn idle(command: &str) -> Vec<&'static str> {
+    match command {
+        "completions" | "man" => [&WORK[..], &PARAMETERS, &TELLING, &["color"]].concat(),
+        "models" => [&WORK[..], &PARAMETERS, &TELLING[..2]].concat(),
+        "doctor" => [&WORK[..], &PARAMETERS[1..], &TELLING[..2]].concat(),
+        "inspect" => [&WORK[..], &PARAMETERS].concat(),
+        "render" | "metrics" => WORK.to_vec(),
+        "tune" | "edit" | "transfer" | "animate" | "layers" | "raster" => WORK[1..].to_vec(),
+        _ => Vec::new(),
+    }
+}
+
 /// The whole command, from which parser, completions and man pages are made.
 pub(crate) fn command() -> clap::Command {
-    const WORK: [&str; 2] = ["seed", "debug_dir"];
-    const PARAMETERS: [&str; 3] = ["threads", "config", "dump_config"];
-    const TELLING: [&str; 3] = ["quiet", "verbose", "json"];
-    let command = Cli::command();
-    let global: Vec<Arg> = command.get_arguments().cloned().collect();
-    // Every command takes the options of all, but does not show those that mean nothing to it.
-    let hide = |command: clap::Command, name: &str, hidden: &[&str]| {
-        let args = global.iter().filter(|a| hidden.contains(&a.get_id().as_str()));
-        let args: Vec<Arg> = args.map(|a| a.clone().hide(true)).collect();
-        command.mut_subcommand(name, |sub| sub.args(args))
+    // `-h` lists what has no heading of its own, `--help` everything.
+    let rare = |arg: Arg| {
+        let rare = arg.get_help_heading().is_some();
+        if rare { arg.hide_short_help(true) } else { arg }
     };
-    // Categories and descriptors serve placement, and nothing is placed.
-    let command = command.mut_subcommand("vectorize", |sub| {
+    let command = Cli::command().mut_args(rare);
+    let global: Vec<Arg> = command.get_arguments().cloned().collect();
+    let command = command.mut_subcommands(|sub| {
+        let idle = idle(sub.get_name());
+        let hidden = global.iter().filter(|a| idle.contains(&a.get_id().as_str()));
+        let hidden: Vec<Arg> = hidden.map(|a| a.clone().hide(true)).collect();
+        let sub = sub.args(hidden).mut_args(rare);
+        if sub.get_name() != "vectorize" {
+            return sub;
+        }
+        // Categories and descriptors serve placement, and nothing is placed.
         sub.mut_arg("categories", |a| a.hide(true)).mut_arg("descriptor_reach", |a| a.hide(true))
     });
-    let command = hide(command, "tune", &WORK[1..]);
-    let command = hide(command, "edit", &WORK[1..]);
-    let command = hide(command, "transfer", &WORK[1..]);
-    let command = hide(command, "stylize", &WORK[1..]);
-    let command = hide(command, "render", &WORK);
-    let command = hide(command, "metrics", &[&WORK[..], &PARAMETERS[1..]].concat());
-    let command = hide(command, "inspect", &[&WORK[..], &PARAMETERS].concat());
-    let command = hide(command, "interp", &WORK);
-    let command = hide(command, "animate", &WORK[1..]);
-    let command = hide(command, "check", &WORK);
-    let command = hide(command, "layers", &WORK[1..]);
-    let command = hide(command, "raster", &WORK[1..]);
-    let command = hide(command, "doctor", &[&WORK[..], &PARAMETERS[1..], &TELLING[..2]].concat());
-    let command = hide(command, "models", &[&WORK[..], &PARAMETERS, &TELLING[..2]].concat());
-    let all = [&WORK[..], &PARAMETERS, &TELLING, &["color"]].concat();
-    let command = hide(hide(command, "completions", &all), "man", &all);
     let text = groups(&command);
     command.before_help(text)
 }
@@ -99,9 +98,6 @@ pub(crate) fn command_for(arguments: &[OsString]) -> clap::Command {
     let mut command = command();
     if !std::io::stdout().is_terminal() && std::env::var_os("COLUMNS").is_none() {
         command = command.term_width(80);
-    }
-    if short_help::asked(arguments) {
-        command = short_help::shortened(command);
     }
     if arguments.iter().any(|a| a == "--dump-config") {
         command = command.subcommand_required(false);
@@ -123,13 +119,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_command_is_in_one_group_or_hidden() {
-        let command = command();
-        let shown = command.get_subcommands().filter(|sub| !sub.is_hide_set()).map(clap::Command::get_name);
-        let mut shown: Vec<&str> = shown.collect();
-        let mut grouped: Vec<&str> = GROUPS.iter().flat_map(|(_, names)| *names).copied().collect();
-        shown.sort_unstable();
-        grouped.sort_unstable();
-        assert_eq!(shown, grouped);
+    fn groups_begin_with_commands() {
+        let text = groups(&command());
+        let titles: Vec<&str> = text.lines().filter_map(|line| line.strip_suffix(':')).collect();
+        assert_eq!(titles, GROUPS.map(|(_, title)| title));
     }
 }

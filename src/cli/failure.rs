@@ -69,7 +69,9 @@ pub(crate) fn show_usage(error: &clap::Error, command: &clap::Command, arguments
 pub(crate) fn explain(error: &anyhow::Error) -> (String, Option<String>, Exit) {
     match error.downcast_ref::<Error>() {
         Some(e @ Error::Interrupted) => (e.to_string(), hint(e), Exit::Interrupted),
-        Some(e @ (Error::Parameter { .. } | Error::Edit { .. })) => (e.to_string(), hint(e), Exit::Usage),
+        Some(e @ (Error::Parameter { .. } | Error::DrawingPeriods { .. } | Error::Edit { .. })) => {
+            (e.to_string(), hint(e), Exit::Usage)
+        }
         Some(e) => (e.to_string(), hint(e), Exit::Failed),
         None => match error.downcast_ref::<Failure>() {
             Some(f) => (f.message.clone(), f.hint.clone(), f.exit),

@@ -3,7 +3,7 @@
 use std::io::ErrorKind;
 use std::path::Path;
 use vtex::Error;
-use vtex::error::EditFault;
+use vtex::error::{EditFault, Large};
 use vtex::library::Library;
 
 /// The note of a page on a photograph that was not found.
@@ -48,14 +48,11 @@ pub(crate) fn hint(error: &Error) -> Option<String> {
         Error::Read { source, .. } if source.kind() == ErrorKind::IsADirectory => {
             "name a file; 'vtex batch' takes folders"
         }
-        Error::TooLarge { limit, .. } if limit.ends_with("GiB") || limit == "16 MiB" => {
-            "no file of vtex is as large: is it the right one?"
-        }
         Error::Version { found, known, .. } if found > known => {
             "a newer vtex wrote it: update vtex, or write the file again with this one"
         }
         Error::Exists { .. } => "give another name with -o, or --force to replace it",
-        Error::TooLarge { name, .. } if name == "size" => "ask for a smaller --size",
+        Error::TooLarge { what: Large::Canvas, .. } => "ask for a smaller --size",
         Error::Format { format: "vtex-library", .. } => "make a library with 'vtex analyze photo.jpg'",
         Error::Format { format: "vtex-scene", .. } => {
             "make a scene with 'vtex synth photo.lib.json -o out.scene.json'"
@@ -77,12 +74,13 @@ pub(crate) fn hint(error: &Error) -> Option<String> {
         Error::Edit { fault: EditFault::NoLayer { known, .. }, .. } => {
             return Some(format!("--layer takes {}", known.join(", ")));
         }
-        Error::Control { role: "a drawing", advice, .. } if *advice == vtex::import::CONVERT => {
-            return Some(format!("{advice}; --lenient leaves it out"));
+        Error::Undrawable { .. } => {
+            return error.hint().map(|advice| advice + "; --lenient leaves it out");
         }
-        Error::Parameter { name: "size", value, .. } if value.contains("the drawing repeats") => {
-            "give another --size, or --method descriptor, which fits any"
+        Error::OtherLibrary { .. } => {
+            return error.hint().map(|advice| advice + "; 'vtex inspect' lists them");
         }
+        Error::DrawingPeriods { .. } => "give another --size, or --method descriptor, which fits any",
         Error::Periods { nearest: Some([w, h]), .. } => {
             return Some(format!("give --size {w}x{h}, or --lattice off, which fits any size"));
         }
@@ -116,7 +114,15 @@ mod tests {
     fn errors_that_options_mend_name_them() {
         for (error, option) in [
             (Error::Exists { path: "a".into(), changed: true }, "--force"),
-            (Error::TooLarge { name: "size".into(), found: "9".into(), limit: "1".into() }, "--size"),
+            (
+                Error::TooLarge {
+                    what: Large::Canvas,
+                    name: "a".into(),
+                    found: "9".into(),
+                    limit: "1".into(),
+                },
+                "--size",
+            ),
             (Error::Seams, "--tile"),
             (Error::Sizes { from: [1, 1], to: [2, 2] }, "--stretch"),
             (Error::MaxBytes { most: 1, smallest: 7 }, "--max-bytes 7"),

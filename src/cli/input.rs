@@ -6,6 +6,7 @@ use std::collections::BTreeSet;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
+use vtex::error::Large;
 use vtex::output::file::{FileKind, Format};
 use vtex::{Error, Result};
 
@@ -41,7 +42,7 @@ pub(crate) fn read_text(path: &Path) -> Result<String> {
     file.take(MOST + 1).read_to_string(&mut text).map_err(|e| Error::read(path, e))?;
     if text.len() as u64 > MOST {
         let (found, limit) = ("more than 16 MiB of text".into(), "16 MiB".into());
-        return Err(Error::TooLarge { name: path.display().to_string(), found, limit });
+        return Err(Error::TooLarge { what: Large::File, name: path.display().to_string(), found, limit });
     }
     note_read(path);
     Ok(text)
@@ -86,7 +87,7 @@ impl Input {
         }
         if bytes.len() as u64 > LARGEST {
             let (found, limit) = ("more than 2 GiB".into(), "2 GiB".into());
-            return Err(Error::TooLarge { name: self.name(), found, limit });
+            return Err(Error::TooLarge { what: Large::File, name: self.name(), found, limit });
         }
         Ok(bytes)
     }

@@ -28,7 +28,6 @@ mod reading;
 mod recipe;
 mod replacing;
 pub(crate) mod resolve;
-pub(crate) mod short_help;
 mod summary;
 mod synthesis;
 mod table;

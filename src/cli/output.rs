@@ -124,7 +124,7 @@ impl Destination {
         if fs::metadata(path).is_ok_and(|m| !m.is_file() && !m.is_dir()) {
             return Ok(());
         }
-        match write_file(path, *force, |_| Err::<(), _>(Error::Interrupted)) {
+        match write_file(path, *force, |_| Err::<(), _>(Error::Interrupted.into())) {
             Err(Error::Interrupted) | Ok(_) => Ok(()),
             Err(e) => Err(e),
         }
@@ -135,7 +135,7 @@ impl Destination {
     ///
     /// # Errors
     /// Those of `content` and of [`write_file`]; [`Error::Interrupted`].
-    pub(crate) fn write<T>(&self, content: impl FnOnce(&mut dyn Write) -> Result<T>) -> Result<(T, u64)> {
+    pub(crate) fn write<T>(&self, content: impl FnOnce(&mut dyn Write) -> io::Result<T>) -> Result<(T, u64)> {
         if let Self::File { path, .. } = self {
             if was_read(path) {
                 return Err(Error::write(path, io::Error::other("this command has read it as an input")));
@@ -151,7 +151,7 @@ impl Destination {
                 check_open().map_err(fail)?;
                 let out = StoppableByteCounter::new(io::BufWriter::new(io::stdout().lock()));
                 let mut out = Sealed::new(out);
-                let value = content(&mut out)?;
+                let value = content(&mut out).map_err(fail)?;
                 let mut out = out.finish().map_err(fail)?;
                 out.flush().map_err(fail)?;
                 Ok((value, out.count))
@@ -263,8 +263,7 @@ impl Target {
     /// # Errors
     /// As [`Destination::write`].
     pub(crate) fn write_bytes(&self, bytes: &[u8]) -> Result<WrittenFile> {
-        let fail = |e| Error::write(Path::new("-"), e);
-        let (_, count) = self.place.write(|out| self.pack(out, |out| out.write_all(bytes).map_err(fail)))?;
+        let (_, count) = self.place.write(|out| self.pack(out, |out| out.write_all(bytes)))?;
         Ok(WrittenFile::of(count))
     }
 
@@ -340,7 +339,7 @@ impl Target {
         &self,
         scene: &Scene,
         svg: SvgParameters,
-        writer: impl Fn(&Scene, &svg::SvgOptions, &mut dyn Write) -> Result<Vec<String>>,
+        writer: impl Fn(&Scene, &svg::SvgOptions, &mut dyn Write) -> io::Result<Vec<String>>,
     ) -> Result<WrittenFile> {
         let options = svg.into();
         let Some(Bytes(most)) = svg.max_bytes else {
@@ -350,9 +349,10 @@ impl Target {
         let measure = |scene: &Scene, options: &svg::SvgOptions| {
             let mut out = Sealed::new(StoppableByteCounter::new(io::sink()));
             self.pack(&mut out, |w| writer(scene, options, w))?;
-            Ok(out.finish().map_err(|e| Error::write(Path::new("-"), e))?.count)
+            io::Result::Ok(out.finish()?.count)
         };
-        let reduced = reduce::to_fit(scene, &options, most, measure).map_err(or_interrupted)?;
+        let fail = |e| or_interrupted(Error::write(self.place.path(), e));
+        let reduced = reduce::to_fit(scene, &options, most, measure).map_err(fail)?;
         let (warnings, bytes) =
             self.place.write(|out| self.pack(out, |w| writer(&reduced.scene, &reduced.options, w)))?;
         let given_up = reduced.given_up;
@@ -360,14 +360,17 @@ impl Target {
     }
 
     /// Passes a writer to `content` that packs if the file name ends so; packed content is sealed here.
-    fn pack<T>(&self, out: &mut dyn Write, content: impl FnOnce(&mut dyn Write) -> Result<T>) -> Result<T> {
+    fn pack<T>(
+        &self,
+        out: &mut dyn Write,
+        content: impl FnOnce(&mut dyn Write) -> io::Result<T>,
+    ) -> io::Result<T> {
         if !self.kind.gzip {
             return content(out);
         }
-        let fail = |e| Error::write(Path::new("-"), e);
         let mut packed = Sealed::new(gzip(out));
         let value = content(&mut packed)?;
-        packed.finish().and_then(|packed| packed.finish()).map_err(fail)?;
+        packed.finish()?.finish()?;
         Ok(value)
     }
 }
@@ -378,8 +381,8 @@ impl Target {
 /// [`Error::Write`] with the path `-`.
 pub(crate) fn print(data: &[u8]) -> anyhow::Result<()> {
     let mut out = io::stdout().lock();
-    out.write_all(data).and_then(|()| out.flush()).map_err(|e| Error::write(Path::new("-"), e))?;
-    Ok(())
+    let printed = out.write_all(data).and_then(|()| out.flush());
+    Ok(printed.map_err(|e| Error::write(Destination::Stdout.path(), e))?)
 }
 
 /// Prints a report in JSON on standard output, or on stderr if that carries data. Characters that would
@@ -403,8 +406,7 @@ pub(crate) fn print_json(report: &impl Serialize, stdout_is_taken: bool) -> anyh
 pub(crate) fn print_styled(text: &str) -> anyhow::Result<()> {
     let mut out = anstream::stdout().lock();
     let printed = out.write_all(styled(text).as_bytes()).and_then(|()| out.flush());
-    printed.map_err(|e| Error::write(Path::new("-"), e))?;
-    Ok(())
+    Ok(printed.map_err(|e| Error::write(Destination::Stdout.path(), e))?)
 }
 
 /// Prints a message on stderr, in lines. Errors are ignored, because stderr may be closed.

@@ -80,8 +80,8 @@ fn meant(error: &clap::Error, arguments: &[OsString]) -> Option<String> {
 }
 
 /// Commands that read one file and write one.
-const MAKES_ONE_FILE: [&str; 9] =
-    ["texture", "vectorize", "analyze", "edit", "render", "stylize", "animate", "layers", "raster"];
+const MAKES_ONE_FILE: [&str; 8] =
+    ["texture", "vectorize", "analyze", "edit", "render", "animate", "layers", "raster"];
 
 /// Extensions of pictures and drawings.
 const PICTURES: [&str; 10] = ["png", "jpg", "jpeg", "tif", "tiff", "webp", "bmp", "gif", "svg", "svgz"];

@@ -1,4 +1,4 @@
-//! `vtex transfer`, `stylize`, `animate` and `check`: what they read and write, and what they refuse.
+//! `vtex transfer`, `animate` and `metrics --library`: what they read and write, and what they refuse.
 
 use super::support::{Folder, is_document};
 
@@ -46,13 +46,32 @@ fn a_picture_is_redrawn_in_any_texture() {
     let folder = with_scene();
     for (texture, name) in [("photo.lib.json", "1.svg"), ("swatch.svg", "2.png")] {
         folder
-            .run(&format!("stylize photo.png --with {texture} -o {name} --longer-side 90 --seed 1"))
+            .run(&format!(
+                "transfer --onto photo.png --appearance {texture} -o {name} --longer-side 90 --seed 1"
+            ))
             .succeeds();
     }
-    folder.run("stylize a.scene.json --with photo.lib.json -o 3.svg").fails(1, "a.scene.json");
+    folder.run("transfer --onto a.scene.json --appearance photo.lib.json -o 3.svg").fails(1, "a.scene.json");
     folder
-        .run("stylize photo.png --with photo.lib.json --element-size 1 -o 3.svg")
+        .run("transfer --onto photo.png --appearance photo.lib.json --element-size 1 -o 3.svg")
         .fails(2, "from 2 to 1000");
+}
+
+#[test]
+fn former_names_of_commands_still_work() {
+    let folder = with_scene();
+    let same = |new: &str, old: &str| {
+        folder.run(&format!("{new} -o new.svg --seed 1")).succeeds();
+        folder.run(&format!("{old} -o old.svg --seed 1")).succeeds();
+        assert!(folder.read("new.svg") == folder.read("old.svg"), "{old}");
+    };
+    same("transfer --onto photo.png --appearance photo.lib.json", "stylize photo.png --with photo.lib.json");
+    same("animate a.scene.json a.scene.json --at 0.5", "interp a.scene.json a.scene.json --at 0.5");
+    let told =
+        |line: &str| folder.run(&format!("{line} a.scene.json --library photo.lib.json")).succeeds().stdout;
+    assert_eq!(told("check"), told("metrics"));
+    let help = folder.run("--help").succeeds();
+    assert!(["stylize", "interp", "check"].iter().all(|name| !help.text().contains(name)));
 }
 
 #[test]
@@ -84,7 +103,7 @@ fn elements_are_found_again_in_scenes_and_in_svgs() {
     let folder = with_scene();
     folder.run("render a.scene.json -o a.svg").succeeds();
     let told = |file: &str| {
-        let run = folder.run(&format!("check {file} --library photo.lib.json --json")).succeeds();
+        let run = folder.run(&format!("metrics {file} --library photo.lib.json --json")).succeeds();
         let told = run.json();
         (told["elements"].as_u64().unwrap(), told["matched"].as_f64().unwrap())
     };
@@ -92,7 +111,7 @@ fn elements_are_found_again_in_scenes_and_in_svgs() {
     assert!(scene.0 > 10 && scene.1 > 0.6, "{scene:?}");
     // The same elements, read from the SVG: a few more or less, as pieces of them touch the border.
     assert!(svg.0.abs_diff(scene.0) <= scene.0 / 5 && (svg.1 - scene.1).abs() < 0.15, "{scene:?} {svg:?}");
-    folder.run("check photo.png --library photo.lib.json").fails(1, "photo.png");
+    folder.run("metrics photo.png --library photo.lib.json").fails(1, "photo.png");
 }
 
 #[test]

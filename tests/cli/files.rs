@@ -332,7 +332,7 @@ fn commands_do_not_replace_what_others_made() {
     folder.run("synth photo.lib.json --size 50 -o photo.scene.json").succeeds();
     folder.run("edit photo.scene.json --op flatten").succeeds();
     folder.run("warp photo.scene.json photo.lib.json --scale 1.2").succeeds();
-    folder.run("interp photo.scene.json photo.scene.json --at 0.5").succeeds();
+    folder.run("animate photo.scene.json photo.scene.json --at 0.5").succeeds();
     assert_eq!(
         folder.names(),
         [
@@ -398,8 +398,8 @@ fn several_outputs_come_of_one_run() {
         "render 1.scene.json.gz",
         "warp 1.scene.json.gz photo.lib.json --scale 1.1",
         "vectorize photo.png",
-        "interp 1.scene.json.gz 1.scene.json.gz --at 0.5",
-        "interp 1.scene.json.gz 1.scene.json.gz --frames 2",
+        "animate 1.scene.json.gz 1.scene.json.gz --at 0.5",
+        "animate 1.scene.json.gz 1.scene.json.gz --frames 2",
     ] {
         for name in ["3.svg", "3.png"] {
             let _ = std::fs::remove_file(folder.path(name));
@@ -484,7 +484,7 @@ fn an_interrupt_while_a_file_is_made_to_fit_is_one() {
     folder.run("synth photo.lib.json --size 400 --seed 1 -o a.scene.json -o a.svg").succeeds();
     let most = folder.read("a.svg").len() * 98 / 100;
     let mut child = folder
-        .command(&format!("interp a.scene.json a.scene.json -o frames --frames 2000 --max-bytes {most}"))
+        .command(&format!("animate a.scene.json a.scene.json -o frames --frames 2000 --max-bytes {most}"))
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();

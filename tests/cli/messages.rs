@@ -442,7 +442,8 @@ fn what_is_wrong_with_a_drawing_is_what_is_said() {
         }
     }
     folder.write("plain.svg", svg(r#"<rect width="90" height="90"/>"#));
-    let run =
-        folder.run("stylize photo.png --with plain.svg -o out.svg --quiet").fails(1, "wider than a pixel");
+    let run = folder
+        .run("transfer --onto photo.png --appearance plain.svg -o out.svg --quiet")
+        .fails(1, "wider than a pixel");
     assert!(!run.stderr.contains("from above"), "{}", run.stderr);
 }

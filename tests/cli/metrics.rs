@@ -65,7 +65,7 @@ fn what_cannot_be_compared_is_told() {
     folder.write("bad.png", "no picture");
     folder.run("metrics photo.png bad.png").fails(1, "cannot decode 'bad.png'");
     folder.run("metrics none.png photo.png").fails(1, "cannot read 'none.png'");
-    folder.run("metrics - -").fails(2, "'-' stands for both files");
+    folder.run("metrics - -").fails(2, "'-' stands for more than one file");
     folder.run("metrics photo.png photo.png --scale 0").fails(2, "scale = 0 is out of range: 0.01 to 100");
     folder.run("metrics photo.png photo.png --scale 10").fails(1, "'result' cannot be analysed");
 }

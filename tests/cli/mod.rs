@@ -1,6 +1,7 @@
 //! The program as a user meets it at the shell.
 #![cfg(feature = "cli")]
 
+mod animate;
 mod batch;
 mod composing;
 mod config;
@@ -8,7 +9,6 @@ mod damaged;
 mod edit;
 mod files;
 mod help;
-mod interp;
 mod large;
 mod layers;
 mod messages;

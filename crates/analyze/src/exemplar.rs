@@ -5,7 +5,7 @@
 use image::{DynamicImage, GrayAlphaImage, RgbImage, RgbaImage};
 use sha2::{Digest, Sha256};
 use std::path::Path;
-use vtex_base::error::{Error, Result};
+use vtex_base::error::{Error, Large, Result};
 use vtex_base::raster::{self, Limits};
 use vtex_field::layers::LayerMap;
 
@@ -65,7 +65,7 @@ impl Exemplar {
         if width.max(height) > Self::LARGEST_SIDE {
             let found = format!("{width} x {height} pixels");
             let limit = format!("{} pixels on each side", Self::LARGEST_SIDE);
-            return Err(Error::TooLarge { name: name.into(), found, limit });
+            return Err(Error::TooLarge { what: Large::Picture, name: name.into(), found, limit });
         }
         let mut warnings = Vec::new();
         let image = flatten(image, &mut warnings);

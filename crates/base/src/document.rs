@@ -57,30 +57,36 @@ pub fn from_bytes<'a, T: Document>(bytes: impl Into<Cow<'a, [u8]>>, name: &str) 
         return Err(Error::Version { name: name.into(), format: T::FORMAT, found: version, known });
     };
     let elsewhere = || parse(&without_seal_elsewhere(&json)?);
-    let is_seal = |e: &serde_json::Error| e.to_string().starts_with("unknown field `sha256`");
-    let read = read.or_else(|e: serde_json::Error| is_seal(&e).then(elsewhere).flatten().unwrap_or(Err(e)));
+    let read = read.or_else(|e| if ends_at_seal(&json, &e) { elsewhere().unwrap_or(Err(e)) } else { Err(e) });
     // An unbalanced brace before the seal makes it a field of another object.
-    let read = read.map_err(|e| match serde_json::from_slice::<IgnoredAny>(&json) {
-        Err(broken) if is_seal(&e) => braces(&broken),
-        _ => without_list(e.to_string()),
+    let read = read.map_err(|e| {
+        let braces = ends_at_seal(&json, &e).then(|| braces(&json)).flatten();
+        braces.unwrap_or_else(|| without_list(e.to_string()))
     });
     let document: T = read.map_err(fail)?;
     document.validate().map_err(fail)?;
     Ok(document)
 }
 
-/// The message about unbalanced braces of a document.
-fn braces(broken: &serde_json::Error) -> String {
+/// Whether reading stopped at the name of a seal, which is no field of a document.
+fn ends_at_seal(json: &[u8], error: &serde_json::Error) -> bool {
+    let line = json.split(|byte| *byte == b'\n').nth(error.line().saturating_sub(1));
+    let before = line.and_then(|line| line.get(..error.column()));
+    error.is_data() && before.is_some_and(|text| text.trim_ascii_end().ends_with(b"\"sha256\""))
+}
+
+/// The message about unbalanced braces of a document; `None` if they are balanced.
+fn braces(json: &[u8]) -> Option<String> {
+    let broken = serde_json::from_slice::<IgnoredAny>(json).err()?;
     let place = format!("at line {} column {}", broken.line(), broken.column());
-    match broken.classify() {
-        serde_json::error::Category::Eof => {
-            format!("it ends before its last brace, {place}: a }} is missing")
-        }
-        _ if broken.to_string().starts_with("trailing") => {
+    let mut values = serde_json::Deserializer::from_slice(json).into_iter::<IgnoredAny>();
+    Some(match values.next() {
+        Some(Ok(_)) => {
             format!("something follows its last brace, {place}: a }} is too many, or a {{ is missing")
         }
+        _ if broken.is_eof() => format!("it ends before its last brace, {place}: a }} is missing"),
         _ => broken.to_string(),
-    }
+    })
 }
 
 /// A message of the reader without its list of names, if that is long.

@@ -41,9 +41,11 @@ pub enum Error {
         /// The decoder's reason.
         reason: String,
     },
-    /// The image is larger than the limits allow.
+    /// Something is larger than the limits allow.
     #[error("'{name}' is too large: {found}, the limit is {limit}")]
     TooLarge {
+        /// Its kind.
+        what: Large,
         /// File name or the parameter concerned.
         name: String,
         /// The value found, with its unit.
@@ -102,6 +104,20 @@ pub enum Error {
         /// The nearest size that holds whole periods, if one is near.
         nearest: Option<[u32; 2]>,
     },
+    /// A texture that repeats is not to hold whole periods of its drawing.
+    #[error(
+        "size = {}x{} (the drawing repeats every {}x{} px; {}x{} is near) is out of range: \
+         a whole number of the drawing's periods where it is to repeat without a seam",
+        size[0], size[1], period[0], period[1], near[0], near[1]
+    )]
+    DrawingPeriods {
+        /// Width and height asked for, in pixels.
+        size: [u32; 2],
+        /// Width and height of the drawing's period, in pixels.
+        period: [f64; 2],
+        /// The nearest size that holds whole periods.
+        near: [u32; 2],
+    },
     /// Masks do not fit the image.
     #[error("the masks do not fit the image: {0}")]
     Masks(String),
@@ -141,6 +157,22 @@ pub enum Error {
         reason: String,
         /// A hint, as [`Error::hint`] gives it.
         advice: &'static str,
+    },
+    /// A drawing holds something that vtex does not draw, and that analysis may be told to leave out.
+    #[error("'{name}' cannot be used as a drawing: {reason}")]
+    Undrawable {
+        /// File name.
+        name: String,
+        /// The element, and what is wrong with it.
+        reason: String,
+    },
+    /// A library is not one that the scene was made from.
+    #[error("'{name}' cannot be used as a library of the scene: {reason}")]
+    OtherLibrary {
+        /// File name of the exemplar.
+        name: String,
+        /// Why not.
+        reason: String,
     },
     /// A neural network cannot be loaded, recognised or run.
     #[error("network '{name}': {reason}")]
@@ -188,6 +220,20 @@ pub enum Error {
     },
 }
 
+/// The kind of what is too large.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Large {
+    /// A file, whatever it holds.
+    File,
+    /// A picture that is read or drawn.
+    Picture,
+    /// A drawing: its text, its shapes or their curves.
+    Drawing,
+    /// The canvas of a texture.
+    Canvas,
+}
+
 /// A fault of an operation on a scene.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -216,7 +262,7 @@ pub enum EditFault {
     #[error("one of {0} is needed, and only one")]
     NotOneOf(&'static str),
     /// Elements are to be like another, and nothing says like which.
-    #[error("--similar needs a drawing or --of, which say what the others are like")]
+    #[error("nothing says what the others are like")]
     LikeNothing,
     /// Only colours of the background can be changed.
     #[error("it cannot be done to the background")]
@@ -258,9 +304,10 @@ impl Error {
         Self::Read { path: path.to_owned(), source }
     }
 
-    /// Shorthand for [`Error::Write`].
+    /// The error of a writer, which does not know the path that it writes to: [`Error::Write`], unless the
+    /// writer passed on an [`Error`].
     pub fn write(path: &Path, source: std::io::Error) -> Self {
-        Self::Write { path: path.to_owned(), source }
+        source.downcast().unwrap_or_else(|source| Self::Write { path: path.to_owned(), source })
     }
 
     /// A hint, in one sentence without a full stop. It names no commands and no options: those
@@ -291,13 +338,18 @@ impl Error {
             Self::Decode { .. } => {
                 "PNG, JPEG, TIFF, WebP, BMP, GIF and PNM are read; is the file complete?".into()
             }
-            Self::TooLarge { name, .. } if name == "size" => "ask for a smaller canvas".into(),
-            Self::TooLarge { found, .. }
-                if ["shapes", "curves", "SVG text"].iter().any(|w| found.contains(w)) =>
-            {
-                "simplify it in the program that made it, or leave a part of it out".into()
+            Self::TooLarge { what, .. } => match what {
+                Large::File => "no file of vtex is as large: is it the right one?",
+                Large::Picture => "scale it down first, or crop a part of it",
+                Large::Drawing => "simplify it in the program that made it, or leave a part of it out",
+                Large::Canvas => "ask for a smaller canvas",
             }
-            Self::TooLarge { .. } => "scale it down first, or crop a part of it".into(),
+            .into(),
+            Self::DrawingPeriods { near: [w, h], .. } => format!("ask for {w} x {h} px"),
+            Self::Undrawable { .. } => {
+                "turn it into plain shapes in the program that made it, or delete it".into()
+            }
+            Self::OtherLibrary { .. } => "give the libraries that the scene was made from".into(),
             Self::Unusable { .. } => {
                 "use a photograph of at least 32 x 32 pixels that shows the texture from above".into()
             }
@@ -316,6 +368,13 @@ impl Error {
             Self::MaxBytes { .. } => "allow more bytes, or make the texture smaller".into(),
             _ => return None,
         })
+    }
+}
+
+/// For writers that fail for other reasons too. [`Error::write`] gives the error back.
+impl From<Error> for std::io::Error {
+    fn from(error: Error) -> Self {
+        Self::other(error)
     }
 }
 

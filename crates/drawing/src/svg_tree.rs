@@ -10,7 +10,7 @@ pub use bounds::{MOST_ELEMENTS, ids, referred, uses, weights};
 
 use resvg::usvg::{self, roxmltree};
 use tiny_skia::{Pixmap, Transform};
-use vtex_base::error::{Error, Result, caught, clip, clip_to};
+use vtex_base::error::{Error, Large, Result, caught, clip, clip_to};
 use vtex_base::gzip;
 
 /// Largest SVG read, unpacked, in bytes.
@@ -74,7 +74,7 @@ pub fn text(bytes: &[u8], name: &str, fail: impl Fn(SvgFault) -> Error) -> Resul
     let bytes = gzip::unpack(bytes, LARGEST_TEXT as u64 + 1).map_err(|reason| fail(reason.into()))?;
     if bytes.len() > LARGEST_TEXT {
         let (found, limit) = ("more than 1 GiB of SVG text".into(), "1 GiB".into());
-        return Err(Error::TooLarge { name: name.into(), found, limit });
+        return Err(Error::TooLarge { what: Large::File, name: name.into(), found, limit });
     }
     let text = String::from_utf8(bytes.into_owned()).map_err(|e| {
         let wide = [b"\xff\xfe", b"\xfe\xff"].iter().any(|mark| e.as_bytes().starts_with(*mark));

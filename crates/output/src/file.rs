@@ -76,7 +76,7 @@ pub fn gzip<W: Write>(out: W) -> GzEncoder<W> {
 pub fn write_file<T>(
     path: &Path,
     force: bool,
-    content: impl FnOnce(&mut dyn Write) -> Result<T>,
+    content: impl FnOnce(&mut dyn Write) -> io::Result<T>,
 ) -> Result<(T, u64)> {
     let fail = |e: io::Error| Error::write(path, e);
     let old = match fs::metadata(path) {
@@ -123,15 +123,11 @@ pub fn write_file<T>(
 fn sealed<T>(
     path: &Path,
     file: &File,
-    content: impl FnOnce(&mut dyn Write) -> Result<T>,
+    content: impl FnOnce(&mut dyn Write) -> io::Result<T>,
 ) -> Result<(T, u64)> {
     let fail = |e: io::Error| Error::write(path, e);
     let mut out = Sealed::new(BufWriter::new(ByteCounter { out: file, count: 0 }));
-    let value = content(&mut out).map_err(|e| match e {
-        // Writers do not know the path, so it is added here.
-        Error::Write { path, source } if path == Path::new("-") => fail(source),
-        other => other,
-    })?;
+    let value = content(&mut out).map_err(fail)?;
     let out = out.finish().map_err(fail)?.into_inner().map_err(|e| fail(e.into_error()))?;
     Ok((value, out.count))
 }
@@ -298,8 +294,7 @@ mod tests {
     use crate::{pdf, png, svg, testing};
 
     fn put(path: &Path, force: bool, text: &str) -> Result<()> {
-        let text = |w: &mut dyn Write| w.write_all(text.as_bytes());
-        write_file(path, force, |w| text(w).map_err(|e| Error::write(Path::new("-"), e))).map(drop)
+        write_file(path, force, |w| w.write_all(text.as_bytes())).map(drop)
     }
 
     /// The bytes written of some content.
@@ -336,11 +331,12 @@ mod tests {
         put(&path, false, "old").unwrap();
         let failed = write_file(&path, true, |w| {
             w.write_all(&[b'x'; 100_000]).unwrap();
-            Err::<(), _>(Error::write(Path::new("-"), io::ErrorKind::StorageFull.into()))
+            Err::<(), _>(io::ErrorKind::StorageFull.into())
         });
         let error = failed.unwrap_err();
         assert!(matches!(&error, Error::Write { path: p, .. } if p == &path), "{error}");
-        let failed = write_file(&folder.path().join("new.svg"), false, |_| Err::<(), _>(Error::Interrupted));
+        let failed =
+            write_file(&folder.path().join("new.svg"), false, |_| Err::<(), _>(Error::Interrupted.into()));
         assert!(matches!(failed, Err(Error::Interrupted)));
         assert_eq!(fs::read(&path).unwrap(), b"old");
         assert_eq!(names(folder.path()), ["a.svg"]);

@@ -7,17 +7,15 @@
 use crate::png::failed;
 use crate::svg::BEGINNING;
 use serde::Serialize;
-use std::io::Write;
-use std::path::Path;
-use vtex_base::error::{Error, Result};
+use std::io::{self, Write};
 use vtex_base::geometry::{Outline, PathText, write_path};
 use vtex_field::layers::LayerMap;
 
 /// Writes a map as an indexed PNG.
 ///
 /// # Errors
-/// A failing writer, as [`Error::Write`] with the path `-`.
-pub fn write_png(map: &LayerMap, seed: Option<u64>, out: impl Write) -> Result<()> {
+/// A failing writer.
+pub fn write_png(map: &LayerMap, seed: Option<u64>, out: impl Write) -> io::Result<()> {
     let palette: Vec<u8> = map.layers.iter().flat_map(|l| l.colour.0).collect();
     let data: Vec<u8> = map.labels.labels.iter().map(|&l| l as u8).collect();
     encode([map.labels.width, map.labels.height], png::ColorType::Indexed, Some(palette), &data, seed, out)
@@ -27,7 +25,7 @@ pub fn write_png(map: &LayerMap, seed: Option<u64>, out: impl Write) -> Result<(
 ///
 /// # Errors
 /// As [`write_png`].
-pub fn write_grey(size: [usize; 2], values: &[u16], seed: Option<u64>, out: impl Write) -> Result<()> {
+pub fn write_grey(size: [usize; 2], values: &[u16], seed: Option<u64>, out: impl Write) -> io::Result<()> {
     let data: Vec<u8> = values.iter().flat_map(|v| v.to_be_bytes()).collect();
     encode(size.map(|v| v as u32), png::ColorType::Grayscale, None, &data, seed, out)
 }
@@ -39,7 +37,7 @@ fn encode(
     data: &[u8],
     seed: Option<u64>,
     out: impl Write,
-) -> Result<()> {
+) -> io::Result<()> {
     let write = || {
         let mut encoder = png::Encoder::new(out, size[0], size[1]);
         encoder.set_color(colour);
@@ -62,7 +60,7 @@ fn encode(
 ///
 /// # Errors
 /// As [`write_png`].
-pub fn write_svg(map: &LayerMap, wrap: [bool; 2], mut out: impl Write) -> Result<()> {
+pub fn write_svg(map: &LayerMap, wrap: [bool; 2], mut out: impl Write) -> io::Result<()> {
     let [w, h] = map.size();
     let mut text = format!(
         "{BEGINNING}{} -->\n<svg xmlns=\"http://www.w3.org/2000/svg\" \
@@ -82,7 +80,7 @@ pub fn write_svg(map: &LayerMap, wrap: [bool; 2], mut out: impl Write) -> Result
         ));
     }
     text.push_str("</svg>\n");
-    out.write_all(text.as_bytes()).map_err(|e| Error::write(Path::new("-"), e))
+    out.write_all(text.as_bytes())
 }
 
 /// A map as JSON.
@@ -124,7 +122,7 @@ struct DescribedLayer<'a> {
 ///
 /// # Errors
 /// As [`write_png`].
-pub fn write_json(map: &LayerMap, wrap: [bool; 2], seed: Option<u64>, mut out: impl Write) -> Result<()> {
+pub fn write_json(map: &LayerMap, wrap: [bool; 2], seed: Option<u64>, mut out: impl Write) -> io::Result<()> {
     let paths = map.outlines(wrap);
     let shares = map.shares();
     let layer = |(k, layer): (usize, &'_ vtex_field::layers::MapLayer)| (k, layer.name.clone(), layer.colour);
@@ -149,7 +147,7 @@ pub fn write_json(map: &LayerMap, wrap: [bool; 2], seed: Option<u64>, mut out: i
     };
     let mut bytes = serde_json::to_vec(&described).expect("maps hold nothing that JSON cannot");
     bytes.push(b'\n');
-    out.write_all(&bytes).map_err(|e| Error::write(Path::new("-"), e))
+    out.write_all(&bytes)
 }
 
 #[cfg(test)]

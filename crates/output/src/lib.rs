@@ -4,6 +4,9 @@
 //! [`svg`] and [`pdf`] write it as pure vectors, [`png`] draws it directly at any scale, [`raster_animation`]
 //! writes GIFs and PNGs that play, [`raster_svg`] draws any SVG, [`reduce`] reduces a scene to a number of
 //! bytes, [`file`] replaces files safely.
+//!
+//! A writer does not know the path that it writes to. It fails with [`std::io::Error`]; [`Error::write`] adds the
+//! path, and gives back an error of vtex that the writer passed on.
 
 mod background;
 mod categories;
@@ -27,7 +30,7 @@ pub use categories::{SceneCategory, categories};
 pub use coverage::{coverage, inside};
 
 use vtex_base::document::in_order;
-use vtex_base::error::{Error, Result};
+use vtex_base::error::{Error, Large, Result};
 use vtex_scene::scene::Scene;
 
 /// Pixels per inch in CSS, and in files that do not state their resolution.
@@ -50,6 +53,7 @@ fn picture_size(width: f64, height: f64, scale: f64, name: &str) -> Result<(u32,
         return Ok((w as u32, h as u32));
     }
     Err(Error::TooLarge {
+        what: Large::Picture,
         name: name.into(),
         found: format!("a picture of {w:.0} x {h:.0} pixels"),
         limit: format!("{LARGEST_PICTURE} pixels"),

@@ -9,13 +9,12 @@ use super::picture_size;
 use super::shadow::{self, Shadows};
 use image::RgbImage;
 use std::collections::BTreeMap;
-use std::io::Write;
-use std::path::Path;
+use std::io::{self, Write};
 use tiny_skia::{
     Color, FillRule, GradientStop, LineJoin, LinearGradient, Mask, Paint, PathBuilder, Pixmap, PixmapMut,
     PixmapPaint, RadialGradient, Shader, SpreadMode, Transform,
 };
-use vtex_base::error::{Error, Result};
+use vtex_base::error::{Error, Large, Result};
 use vtex_base::geometry::{Affine, Outline, PathEl, Rect, Vec2};
 use vtex_base::parallel;
 use vtex_base::raster::colour::Colour;
@@ -35,6 +34,7 @@ pub fn render(scene: &Scene, scale: f64) -> Result<Pixmap> {
     let (canvas_width, canvas_height) = (f64::from(scene.width), f64::from(scene.height));
     let (width, height) = picture_size(canvas_width, canvas_height, scale, "scene")?;
     let mut pixmap = Pixmap::new(width, height).ok_or_else(|| Error::TooLarge {
+        what: Large::Picture,
         name: "scene".into(),
         found: format!("a picture of {width} x {height} pixels"),
         limit: "what one picture in memory can hold".into(),
@@ -334,8 +334,8 @@ pub(super) fn path_of(outline: &Outline) -> Option<tiny_skia::Path> {
 /// the program and, where there is one, the seed.
 ///
 /// # Errors
-/// A failing writer, as [`Error::Write`] with the path `-`.
-pub fn encode(pixmap: &Pixmap, seed: Option<u64>, out: impl Write) -> Result<()> {
+/// A failing writer.
+pub fn encode(pixmap: &Pixmap, seed: Option<u64>, out: impl Write) -> io::Result<()> {
     let opaque = pixmap.pixels().iter().all(|p| p.alpha() == 255);
     let channels = if opaque { 3 } else { 4 };
     let data = straight(pixmap, channels);
@@ -357,16 +357,15 @@ pub fn straight(pixmap: &Pixmap, channels: usize) -> Vec<u8> {
 ///
 /// # Errors
 /// As [`encode`].
-pub fn encode_rgb(image: &RgbImage, out: impl Write) -> Result<()> {
+pub fn encode_rgb(image: &RgbImage, out: impl Write) -> io::Result<()> {
     encode_data(image.width(), image.height(), true, image.as_raw(), None, out).map_err(failed)
 }
 
-pub(super) fn failed(e: png::EncodingError) -> Error {
-    let source = match e {
+pub(super) fn failed(e: png::EncodingError) -> io::Error {
+    match e {
         png::EncodingError::IoError(e) => e,
-        other => std::io::Error::other(other.to_string()),
-    };
-    Error::write(Path::new("-"), source)
+        other => io::Error::other(other.to_string()),
+    }
 }
 
 fn encode_data(

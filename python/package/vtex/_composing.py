@@ -118,7 +118,7 @@ def interpolate(
 ) -> Scene | list[Scene]:
     """Make the scenes between two: elements move and change into those of the other.
 
-    Either `at` or `morph` is given. The same scenes give the same as the program ``vtex interp``.
+    Either `at` or `morph` is given. The same scenes give the same as the program ``vtex animate``.
 
     Parameters
     ----------
@@ -237,7 +237,7 @@ def stylize(
     """Redraw any picture in the elements of a texture.
 
     Elements follow the edges of the picture, and are small where it has detail. The same picture, texture,
-    parameters and seed give the same as the program ``vtex stylize``.
+    parameters and seed give the same as the program ``vtex transfer --onto``.
 
     Parameters
     ----------

@@ -7,6 +7,7 @@ use crate::cli::config::{CommandLineValues, ConfigLayer};
 use crate::cli::failure::Failure;
 use crate::cli::format;
 use crate::cli::options::analyze::AnalyzeFlags;
+use crate::cli::options::common;
 use crate::cli::options::files::{ForceArgs, Makes, required, targets};
 use crate::cli::options::layers::LayerFilesArgs;
 use crate::cli::options::masks::MasksArgs;
@@ -24,7 +25,8 @@ const MAKES: Makes = Makes { allowed: format::OF_LIBRARY, usual: Format::Library
 #[derive(Args)]
 #[command(
     override_usage = "vtex analyze [OPTIONS] <PHOTO>",
-    after_help = "\
+    mut_args(common(&["segmenter", "masks", "layers"])),
+    after_long_help = "\
 Examples:
   vtex analyze photo.jpg
   vtex analyze photo.jpg -o photo.lib.json.gz --save-masks photo.masks.png
@@ -34,8 +36,8 @@ pub(crate) struct AnalyzeArgs {
     /// The photograph: PNG, JPEG, TIFF, WebP, BMP, GIF or PNM; - reads stdin
     #[arg(value_name = "PHOTO", required = true)]
     pub(crate) photo: Option<PathBuf>,
-    /// Result, .lib.json or .lib.json.gz; - writes JSON to stdout [default: ./PHOTO.lib.json]
-    #[arg(short, long, value_name = "FILE", help_heading = "Output")]
+    /// Result: .lib.json or .lib.json.gz; - writes JSON to stdout [default: ./PHOTO.lib.json]
+    #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Vec<PathBuf>,
     #[command(flatten)]
     pub(crate) preset: PresetArgs,

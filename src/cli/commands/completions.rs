@@ -9,7 +9,7 @@ use clap_complete::Shell;
 #[derive(Args)]
 #[command(
     hide = true,
-    after_help = "\
+    after_long_help = "\
 Examples:
   vtex completions bash > ~/.local/share/bash-completion/completions/vtex
   vtex completions zsh > ~/.zfunc/_vtex

@@ -5,6 +5,7 @@ use crate::cli::command::{Arguments, Job, Resolved};
 use crate::cli::common::Common;
 use crate::cli::foreign::escaped;
 use crate::cli::models::{Model, ModelFolder};
+use crate::cli::options::common;
 use crate::cli::options::engine::{EngineArgs, engine};
 use crate::cli::output::{print_json, print_styled};
 use anstyle::Style;
@@ -15,10 +16,13 @@ use vtex::engine::{EngineChoice, EngineOptions, GIVEN, MINIMUM_MINOR, choose, lo
 
 /// Say what networks run on, and what is missing
 #[derive(Args)]
-#[command(after_help = "\
+#[command(
+    mut_args(common(&["engine"])),
+    after_long_help = "\
 Examples:
   vtex doctor
-  vtex doctor --onnxruntime /opt/onnxruntime/lib/libonnxruntime.so --json")]
+  vtex doctor --onnxruntime /opt/onnxruntime/lib/libonnxruntime.so --json"
+)]
 pub(crate) struct DoctorArgs {
     #[command(flatten)]
     pub(crate) engine: EngineArgs,

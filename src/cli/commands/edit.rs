@@ -27,7 +27,7 @@ const MAKES: Makes = Makes { allowed: format::OF_SCENE, usual: Format::Svg, word
 #[derive(Args)]
 #[command(
     override_usage = "vtex edit [OPTIONS] <SCENE> --op <OPERATION>...",
-    after_help = "\
+    after_long_help = "\
 Examples:
   vtex edit out.scene.json -o thin.svg --op 'thin 0.5 --layer secondary'
   vtex edit out.scene.json -o red.svg --op 'tint red' --op 'shadow --length 6'
@@ -46,9 +46,10 @@ pub(crate) struct EditArgs {
     /// Explain all operations and do nothing else
     #[arg(long)]
     pub(crate) list: bool,
-    /// Result, by extension .svg, .svgz, .pdf, .png, .scene.json or .scene.json.gz; - writes SVG to
-    /// stdout; several -o write several files [default: ./SCENE.edited.svg]
-    #[arg(short, long, value_name = "FILE", help_heading = "Output")]
+    /// Result: .svg, .svgz, .pdf, .png, .scene.json or .scene.json.gz [default: ./SCENE.edited.svg]
+    ///
+    /// Its extension is its format; - writes SVG to stdout; several -o write several files
+    #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Vec<PathBuf>,
     #[command(flatten)]
     pub(crate) force: ForceArgs,

@@ -10,7 +10,7 @@ use vtex::Error;
 #[derive(Args)]
 #[command(
     hide = true,
-    after_help = "\
+    after_long_help = "\
 Examples:
   vtex man ~/.local/share/man/man1"
 )]
@@ -34,9 +34,9 @@ fn run(folder: &Path, mut command: clap::Command) -> anyhow::Result<()> {
         let name = command.get_display_name().unwrap_or_else(|| command.get_name());
         let path = folder.join(format!("{name}.1"));
         // Manual pages are replaced even if another program wrote the existing file.
-        let place = Destination::File { path: path.clone(), force: true };
+        let place = Destination::File { path, force: true };
         let page = clap_mangen::Man::new(command.clone()).source(vtex::PROGRAM);
-        place.write(|out| page.render(&mut *out).map_err(|e| Error::write(&path, e)))?;
+        place.write(|out| page.render(&mut *out))?;
     }
     Ok(())
 }

@@ -3,19 +3,16 @@
 mod analyze;
 mod animate;
 mod batch;
-mod check;
 mod completions;
 mod doctor;
 mod edit;
 mod inspect;
-mod interp;
 mod layers;
 mod man;
 mod metrics;
 mod models;
 mod raster;
 mod render;
-mod stylize;
 mod synth;
 mod texture;
 mod transfer;
@@ -26,27 +23,24 @@ mod warp;
 use super::command::Arguments;
 use clap::Subcommand;
 
-/// Any command, with its arguments.
+/// Any of them, with its arguments, in the order of the help.
 #[derive(Subcommand)]
 pub(crate) enum Command {
     Texture(Box<texture::TextureArgs>),
     Vectorize(vectorize::VectorizeArgs),
+    Batch(Box<batch::BatchArgs>),
+    Raster(raster::RasterArgs),
     Analyze(analyze::AnalyzeArgs),
     Synth(synth::SynthArgs),
-    Batch(Box<batch::BatchArgs>),
-    Warp(warp::WarpArgs),
-    Edit(edit::EditArgs),
-    Transfer(transfer::TransferArgs),
-    Stylize(stylize::StylizeArgs),
-    Tune(tune::TuneArgs),
     Render(render::RenderArgs),
-    Interp(interp::InterpArgs),
-    Animate(animate::AnimateArgs),
     Layers(Box<layers::LayersArgs>),
-    Raster(raster::RasterArgs),
     Inspect(inspect::InspectArgs),
+    Edit(edit::EditArgs),
+    Transfer(Box<transfer::TransferArgs>),
+    Warp(warp::WarpArgs),
+    Animate(Box<animate::AnimateArgs>),
     Metrics(metrics::MetricsArgs),
-    Check(check::CheckArgs),
+    Tune(tune::TuneArgs),
     Doctor(doctor::DoctorArgs),
     Models(models::ModelsArgs),
     Completions(completions::CompletionsArgs),
@@ -59,22 +53,19 @@ impl Command {
         match self {
             Self::Texture(a) => a,
             Self::Vectorize(a) => Box::new(a),
+            Self::Batch(a) => a,
+            Self::Raster(a) => Box::new(a),
             Self::Analyze(a) => Box::new(a),
             Self::Synth(a) => Box::new(a),
-            Self::Batch(a) => a,
-            Self::Warp(a) => Box::new(a),
-            Self::Edit(a) => Box::new(a),
-            Self::Transfer(a) => Box::new(a),
-            Self::Stylize(a) => Box::new(a),
-            Self::Tune(a) => Box::new(a),
             Self::Render(a) => Box::new(a),
-            Self::Interp(a) => Box::new(a),
-            Self::Animate(a) => Box::new(a),
             Self::Layers(a) => a,
-            Self::Raster(a) => Box::new(a),
             Self::Inspect(a) => Box::new(a),
+            Self::Edit(a) => Box::new(a),
+            Self::Transfer(a) => a,
+            Self::Warp(a) => Box::new(a),
+            Self::Animate(a) => a,
             Self::Metrics(a) => Box::new(a),
-            Self::Check(a) => Box::new(a),
+            Self::Tune(a) => Box::new(a),
             Self::Doctor(a) => Box::new(a),
             Self::Models(a) => Box::new(a),
             Self::Completions(a) => Box::new(a),

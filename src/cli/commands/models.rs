@@ -20,7 +20,7 @@ use std::path::PathBuf;
     subcommand_required = true,
     arg_required_else_help = true,
     disable_help_subcommand = true,
-    after_help = "\
+    after_long_help = "\
 Examples:
   vtex models add encoder.onnx decoder.onnx --name mobile-sam
   vtex models list

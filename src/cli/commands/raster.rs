@@ -24,7 +24,7 @@ use vtex::pixels::{Leaf, by_numbers, carried, scanned};
 #[derive(Args)]
 #[command(
     override_usage = "vtex raster [OPTIONS] <PHOTO>",
-    after_help = "\
+    after_long_help = "\
 Examples:
   vtex raster photo.jpg -o big.png --size 1000 --tile
   vtex raster rust.jpg -o new.png --control layers.png map.png
@@ -34,8 +34,8 @@ pub(crate) struct RasterArgs {
     /// The photograph: PNG, JPEG, TIFF, WebP, BMP, GIF or PNM; - reads stdin
     #[arg(value_name = "PHOTO", required = true)]
     pub(crate) photo: Option<PathBuf>,
-    /// Result, .png; - writes to stdout [default: ./PHOTO.raster.png]
-    #[arg(short, long, value_name = "FILE", help_heading = "Output")]
+    /// Result: .png; - writes to stdout [default: ./PHOTO.raster.png]
+    #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) force: ForceArgs,

@@ -6,6 +6,7 @@ use crate::cli::config::CommandLineValues;
 use crate::cli::failure::Failure;
 use crate::cli::format;
 use crate::cli::input::{Input, InputKind};
+use crate::cli::options::common;
 use crate::cli::options::files::{ForceArgs, Makes, check_files, outputs, required, targets};
 use crate::cli::options::pattern::{PatternArgs, pattern};
 use crate::cli::options::render::{RenderFlags, RenderParameters};
@@ -28,7 +29,8 @@ const MAKES: Makes = Makes { allowed: format::OF_SCENE, usual: Format::Png, word
 #[derive(Args)]
 #[command(
     override_usage = "vtex render [OPTIONS] <FILE>",
-    after_help = "\
+    mut_args(common(&["scale"])),
+    after_long_help = "\
 Examples:
   vtex render photo.lib.json -o reconstruction.png
   vtex render out.svg -o out.png --scale 2
@@ -38,9 +40,11 @@ pub(crate) struct RenderArgs {
     /// A library, scene or SVG, plain or gzip; - reads stdin
     #[arg(value_name = "FILE", required = true)]
     pub(crate) file: Option<PathBuf>,
-    /// Result, .png; of a library or scene also .svg, .svgz, .pdf, .scene.json or .scene.json.gz;
-    /// - writes PNG to stdout; several -o write several files [default: ./FILE.png]
-    #[arg(short, long, value_name = "FILE", help_heading = "Output")]
+    /// Result: .png; of a library or scene also .svg, .svgz, .pdf, .scene.json or .scene.json.gz [default:
+    /// ./FILE.png]
+    ///
+    /// - writes PNG to stdout; several -o write several files
+    #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Vec<PathBuf>,
     /// Width of a PNG, where no scale is given [1 to 100000 px, default: as the scale says]
     #[arg(long, value_name = "PX", conflicts_with = "scale", help_heading = "Output")]

@@ -6,6 +6,7 @@ use crate::cli::config::{CommandLineValues, ConfigLayer};
 use crate::cli::failure::Failure;
 use crate::cli::format;
 use crate::cli::input::Input;
+use crate::cli::options::common;
 use crate::cli::options::control::{ControlArgs, Steering};
 use crate::cli::options::files::{ForceArgs, Makes, outputs, targets};
 use crate::cli::options::pattern::PatternArgs;
@@ -28,7 +29,8 @@ const MAKES: Makes = Makes { allowed: format::OF_SCENE, usual: Format::Svg, word
 #[derive(Args)]
 #[command(
     override_usage = "vtex synth [OPTIONS] <LIBRARY>...",
-    after_help = "\
+    mut_args(common(&["size", "tile", "domain"])),
+    after_long_help = "\
 Examples:
   vtex synth photo.lib.json --size 1000x600 --seed 7
   vtex synth photo.lib.json --domain logo.svg --density dense-left.png
@@ -41,9 +43,10 @@ pub(crate) struct SynthArgs {
     /// The library, plain or gzip; - reads stdin. Several, at most 16, share the canvas by --map
     #[arg(value_name = "LIBRARY", required = true)]
     pub(crate) library: Vec<PathBuf>,
-    /// Result, by extension .svg, .svgz, .pdf, .png, .scene.json or .scene.json.gz; - writes SVG to
-    /// stdout; several -o write several files [default: ./LIBRARY.svg]
-    #[arg(short, long, value_name = "FILE", help_heading = "Output")]
+    /// Result: .svg, .svgz, .pdf, .png, .scene.json or .scene.json.gz [default: ./LIBRARY.svg]
+    ///
+    /// Its extension is its format; - writes SVG to stdout; several -o write several files
+    #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Vec<PathBuf>,
     #[command(flatten)]
     pub(crate) preset: PresetArgs,

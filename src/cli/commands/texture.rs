@@ -8,6 +8,7 @@ use crate::cli::failure::Failure;
 use crate::cli::format::{self, beside, default_name};
 use crate::cli::input::Input;
 use crate::cli::options::analyze::AnalyzeFlags;
+use crate::cli::options::common;
 use crate::cli::options::control::{ControlArgs, Steering};
 use crate::cli::options::files::{ForceArgs, Makes, outputs, required, targets};
 use crate::cli::options::layers::LayerFilesArgs;
@@ -34,7 +35,8 @@ const MAKES: Makes = Makes { allowed: format::OF_PHOTO, usual: Format::Svg, word
 #[derive(Args)]
 #[command(
     override_usage = "vtex texture [OPTIONS] <PHOTO>",
-    after_help = "\
+    mut_args(common(&["size", "tile"])),
+    after_long_help = "\
 Examples:
   vtex texture photo.jpg -o out.svg --size 1000
   vtex texture photo.jpg -o out.svg -o out.png --keep
@@ -46,10 +48,11 @@ pub(crate) struct TextureArgs {
     /// The photograph: PNG, JPEG, TIFF, WebP, BMP, GIF or PNM; - reads stdin
     #[arg(value_name = "PHOTO", required = true)]
     pub(crate) photo: Option<PathBuf>,
-    /// Result, by extension .svg, .svgz, .pdf, .png, .scene.json, .scene.json.gz, .lib.json or
-    /// .lib.json.gz; - writes SVG to stdout; several -o write several files [default:
+    /// Result: .svg, .svgz, .pdf, .png, .scene.json, .scene.json.gz, .lib.json or .lib.json.gz [default:
     /// ./PHOTO.texture.svg]
-    #[arg(short, long, value_name = "FILE", help_heading = "Output")]
+    ///
+    /// Its extension is its format; - writes SVG to stdout; several -o write several files
+    #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Vec<PathBuf>,
     /// Also write library and scene, to go on with: out.lib.json and out.scene.json beside out.svg
     #[arg(long, help_heading = "Output")]

@@ -15,7 +15,6 @@ use clap::Args;
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::PathBuf;
-use vtex::Error;
 use vtex::library::Library;
 use vtex::scene::SynthParams;
 use vtex::tune::{Terms, TuneParams, TunedWeights, tune};
@@ -24,7 +23,7 @@ use vtex::tune::{Terms, TuneParams, TunedWeights, tune};
 #[derive(Args)]
 #[command(
     override_usage = "vtex tune [OPTIONS] <LIBRARY>",
-    after_help = "\
+    after_long_help = "\
 Examples:
   vtex tune photo.lib.json
   vtex tune photo.lib.json --name slow --seeds 10 --evaluations 2000 --seed 7
@@ -47,7 +46,6 @@ pub(crate) struct TuneArgs {
 
 /// How weights are searched.
 #[derive(Args)]
-#[command(next_help_heading = "Search")]
 pub(crate) struct TuneFlags {
     /// Canvases placed for each set of weights [1 to 100, default: 3]
     #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
@@ -128,7 +126,7 @@ fn run(common: &Common, reporter: &Reporter, input: &Input, tuning: &Tuning) -> 
     let tuned = tune(&library, parameters, reporter)?;
     reporter.stage("writing")?;
     let json = tuned.to_json();
-    let (_, written) = place.write(|out| out.write_all(&json).map_err(|e| Error::write(place.path(), e)))?;
+    let (_, written) = place.write(|out| out.write_all(&json))?;
     let (seconds, warnings) = reporter.finish();
     let seconds = Seconds(seconds);
     let output = place.path().display().to_string();

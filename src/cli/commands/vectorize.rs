@@ -7,6 +7,7 @@ use crate::cli::config::{CommandLineValues, ConfigLayer};
 use crate::cli::failure::Failure;
 use crate::cli::format;
 use crate::cli::options::analyze::AnalyzeFlags;
+use crate::cli::options::common;
 use crate::cli::options::files::{ForceArgs, Makes, required, targets};
 use crate::cli::options::layers::LayerFilesArgs;
 use crate::cli::options::masks::{MasksArgs, MasksFrom};
@@ -29,7 +30,8 @@ const MAKES: Makes = Makes { allowed: format::OF_SCENE, usual: Format::Svg, word
 #[command(
     override_usage = "vtex vectorize [OPTIONS] <PHOTO>",
     mut_arg("segmenter", |arg| arg.help(SEGMENTER)),
-    after_help = "\
+    mut_args(common(&["fidelity", "colors", "max_paths"])),
+    after_long_help = "\
 Examples:
   vtex vectorize photo.jpg
   vtex vectorize photo.jpg --fidelity 0.25 -o fine.svg
@@ -39,9 +41,10 @@ pub(crate) struct VectorizeArgs {
     /// The photograph: PNG, JPEG, TIFF, WebP, BMP, GIF or PNM; - reads stdin
     #[arg(value_name = "PHOTO", required = true)]
     pub(crate) photo: Option<PathBuf>,
-    /// Result, by extension .svg, .svgz, .pdf, .png, .scene.json or .scene.json.gz; - writes SVG to
-    /// stdout; several -o write several files [default: ./PHOTO.vector.svg]
-    #[arg(short, long, value_name = "FILE", help_heading = "Output")]
+    /// Result: .svg, .svgz, .pdf, .png, .scene.json or .scene.json.gz [default: ./PHOTO.vector.svg]
+    ///
+    /// Its extension is its format; - writes SVG to stdout; several -o write several files
+    #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Vec<PathBuf>,
 
     #[command(flatten)]

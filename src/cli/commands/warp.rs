@@ -28,7 +28,7 @@ const MAKES: Makes = Makes { allowed: format::OF_SCENE, usual: Format::Svg, word
 #[derive(Args)]
 #[command(
     override_usage = "vtex warp [OPTIONS] <SCENE> <LIBRARY>...",
-    after_help = "\
+    after_long_help = "\
 Examples:
   vtex warp wide.scene.json photo.lib.json --stretch 1.5x1 -o wider.svg
   vtex warp a.scene.json photo.lib.json --cage a.svg --to b.svg -o bent.svg
@@ -57,9 +57,10 @@ pub(crate) struct WarpArgs {
     #[arg(long, value_name = "HOW", hide_possible_values = true)]
     #[arg(value_parser = one_of(&["keep", "clip", "avoid"], named::<Edge>))]
     pub(crate) edge: Option<Edge>,
-    /// Result, by extension .svg, .svgz, .pdf, .png, .scene.json or .scene.json.gz; - writes SVG to
-    /// stdout; several -o write several files [default: ./SCENE.warped.svg]
-    #[arg(short, long, value_name = "FILE", help_heading = "Output")]
+    /// Result: .svg, .svgz, .pdf, .png, .scene.json or .scene.json.gz [default: ./SCENE.warped.svg]
+    ///
+    /// Its extension is its format; - writes SVG to stdout; several -o write several files
+    #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Vec<PathBuf>,
     #[command(flatten)]
     pub(crate) force: ForceArgs,

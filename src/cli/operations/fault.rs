@@ -144,6 +144,7 @@ pub(super) fn of_operation(fault: &EditFault, verb: &Command) -> Fault {
                 "the background is for tint, recolor, palette",
             );
         }
+        EditFault::LikeNothing => "give a drawing or --of, which the others are like".into(),
         EditFault::BackgroundCondition => "its points are told apart by x, y, inside and outside".into(),
         _ => example(verb),
     };

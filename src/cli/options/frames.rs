@@ -51,6 +51,24 @@ impl Played {
         }
     }
 
+    /// Whether it is an animated SVG.
+    pub(crate) fn is_svg(&self) -> bool {
+        matches!(self, Self::Animation { kind: AnimationKind::Svg { .. }, .. })
+    }
+
+    /// The file, or the folder.
+    pub(crate) fn path(&self) -> &Path {
+        match self {
+            Self::Frames { folder, .. } => folder,
+            Self::Animation { place, .. } => place.path(),
+        }
+    }
+
+    /// The format whose size its pictures have.
+    pub(crate) fn format(&self) -> Format {
+        if self.drawn() { Format::Png } else { Format::Svg }
+    }
+
     /// Checks that the file can be written.
     pub(crate) fn probe(&self) -> vtex::Result<()> {
         match self {

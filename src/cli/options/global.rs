@@ -8,9 +8,9 @@ use std::path::PathBuf;
 #[derive(Args)]
 #[command(next_help_heading = "Global options")]
 pub(crate) struct Global {
-    /// Seed of all random choices [0 to 18446744073709551615, default: one chosen,
-    /// printed and stored]
+    /// Seed of all random choices [0 to 18446744073709551615, default: one chosen, printed and stored]
     #[arg(long, global = true, value_name = "NUMBER", allow_negative_numbers = true)]
+    #[arg(help_heading = None::<&'static str>)]
     pub(crate) seed: Option<Seed>,
     /// Threads, of all but ONNX Runtime; results do not depend on it [1 to 1024, default:
     /// $VTEX_THREADS, else all cores]

@@ -14,3 +14,14 @@ pub(crate) mod render;
 pub(crate) mod svg;
 pub(crate) mod synth;
 pub(crate) mod variants;
+
+/// Puts options of groups among those that `-h` lists.
+pub(crate) fn common(ids: &'static [&'static str]) -> impl Fn(clap::Arg) -> clap::Arg {
+    move |option| {
+        if ids.contains(&option.get_id().as_str()) {
+            option.help_heading(None::<&'static str>)
+        } else {
+            option
+        }
+    }
+}

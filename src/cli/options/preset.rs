@@ -22,11 +22,11 @@ const PRESETS: [(&str, &str); 4] = [
 /// A preset by its name.
 #[derive(Args)]
 pub(crate) struct PresetArgs {
-    /// Values to begin with, over which other options win; default sets none.
+    /// Values to begin with, over which other options win [draft, default, fine or poster, default: default]
+    ///
     /// draft, soon done: --max-pixels 150000 --segmenter regions --cells 1 --fidelity 1 --shading flat --moves 1 --candidates 8;
     /// fine: --fidelity 0.25 --detail-scale 5 --moves 10 --candidates 40 --precision 2;
     /// poster: --fidelity 1 --shading flat --colors 12 --max-paths 2000
-    /// [draft, default, fine or poster, default: default]
     #[arg(long, value_name = "NAME", value_parser = preset(), hide_possible_values = true)]
     pub(crate) preset: Option<String>,
 }
@@ -64,7 +64,7 @@ mod tests {
     #[test]
     fn the_help_says_what_presets_set() {
         let command = Only::command();
-        let help = command.get_arguments().next().and_then(|a| a.get_help()).unwrap().to_string();
+        let help = command.get_arguments().next().and_then(|a| a.get_long_help()).unwrap().to_string();
         let help = help.split_whitespace().collect::<Vec<_>>().join(" ");
         for (name, values) in PRESETS {
             let layer = PresetArgs { preset: Some(name.into()) }.layer().unwrap();

@@ -22,7 +22,9 @@ const PARTS: [&str; 10] = [
 #[derive(Args, Serialize)]
 #[command(next_help_heading = "Synthesis (lengths in pixels of the canvas)")]
 pub(crate) struct SynthFlags {
-    /// Canvas, px: 1000 or 1000x600; or lengths at --dpi: 300mm, 12in, 3mx1m [1 to 100000 each, at most 400 megapixels, default: 1000]
+    /// Canvas, px: 1000 or 1000x600 [1 to 100000 each, at most 400 megapixels, default: 1000]
+    ///
+    /// Lengths at --dpi will do too: 300mm, 12in, 3mx1m
     #[arg(long, value_name = "SIZE")]
     pub(crate) size: Option<Size>,
     /// How elements are placed: carried from the exemplar along a field of correspondences, which keeps

@@ -30,7 +30,7 @@ use crate::arrange::{PlacementResult, PlacementTask, arrange};
 use compose::{Placement, What, compose};
 use secondaries::PlacedSecondary;
 use strata::CanvasStrata;
-use vtex_base::error::{Error, Result};
+use vtex_base::error::{Error, Large, Result};
 use vtex_base::progress::{Progress, advance};
 use vtex_scene::library::{Library, SourceKind};
 use vtex_scene::scene::field::Interpolant;
@@ -220,6 +220,7 @@ pub(crate) fn check_canvas(params: &SynthParams) -> Result<()> {
         return Ok(());
     }
     Err(Error::TooLarge {
+        what: Large::Canvas,
         name: "size".into(),
         found: format!(
             "{} x {} px, about {} GB of memory",

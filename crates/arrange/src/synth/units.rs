@@ -113,10 +113,10 @@ fn canvas(own: &[Library], params: &SynthParams, scale: [f64; 2], period: bool) 
 /// An error that names sizes, in the units of the canvas.
 fn in_units(error: Error, params: &SynthParams, scale: [f64; 2]) -> Error {
     match error {
-        Error::TooLarge { name, .. } => {
+        Error::TooLarge { what, name, .. } => {
             let most = super::LARGEST_CANVAS as f64 / scale[0] / scale[1] / 1e6;
             let found = format!("{} x {} px", params.width, params.height);
-            Error::TooLarge { name, found, limit: format!("{most:.0} megapixels of this photograph") }
+            Error::TooLarge { what, name, found, limit: format!("{most:.0} megapixels of this photograph") }
         }
         Error::Periods { nearest, .. } => {
             let side = |v: u32, k: usize| (libm::round(f64::from(v) / scale[k]) as u32).max(1);

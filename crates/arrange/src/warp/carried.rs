@@ -16,12 +16,7 @@ const PARTS_SIDE: u32 = 256;
 
 /// The libraries in the scene's order, and the scene with a source for each of its elements.
 pub(super) fn matched(scene: &Scene, libraries: Vec<Library>) -> Result<(Vec<Library>, Cow<'_, Scene>)> {
-    let fail = |name: &str, reason: String| Error::Control {
-        name: name.into(),
-        role: "a library of the scene",
-        reason,
-        advice: "give the libraries that the scene was made from; 'vtex inspect' lists them",
-    };
+    let fail = |name: &str, reason: String| Error::OtherLibrary { name: name.into(), reason };
     let mut left: Vec<Option<Library>> = libraries.into_iter().map(Some).collect();
     let mut found = Vec::with_capacity(scene.libraries.len());
     for reference in &scene.libraries {

@@ -1,6 +1,6 @@
 //! Decoding of common image formats, within limits.
 
-use crate::error::{Error, Result, check};
+use crate::error::{Error, Large, Result, check};
 use image::metadata::Orientation;
 use image::{DynamicImage, ImageDecoder, ImageError, ImageReader};
 use std::io::{Cursor, ErrorKind};
@@ -49,7 +49,7 @@ pub fn decode(bytes: &[u8], name: &str, limits: &Limits, kept: u64) -> Result<(D
     if width == 0 || height == 0 {
         return Err(fail(format!("it has {width} x {height} pixels")));
     }
-    let too_large = |found, limit| Error::TooLarge { name: name.into(), found, limit };
+    let too_large = |found, limit| Error::TooLarge { what: Large::Picture, name: name.into(), found, limit };
     if width.max(height) > limits.side {
         let limit = format!("{} pixels on each side", limits.side);
         return Err(too_large(format!("{width} x {height} pixels"), limit));
@@ -111,5 +111,10 @@ pub fn check_size([width, height]: [usize; 2]) -> Result<()> {
         return Ok(());
     }
     let found = format!("{width} x {height} pixels");
-    Err(Error::TooLarge { name: "size".into(), found, limit: format!("{LARGEST_SIDE} pixels on each side") })
+    Err(Error::TooLarge {
+        what: Large::Canvas,
+        name: "size".into(),
+        found,
+        limit: format!("{LARGEST_SIDE} pixels on each side"),
+    })
 }

@@ -8,7 +8,7 @@
 use crate::svg_tree;
 use kurbo::{ParamCurve, Shape};
 use resvg::usvg;
-use vtex_base::error::{Error, Result};
+use vtex_base::error::{Error, Large, Result};
 use vtex_base::geometry::{
     Affine, BezPath, FittedMap, Interior, Outline, PathEl, PlanarMap, Point, is_simple,
 };
@@ -162,6 +162,7 @@ impl ShapeReader<'_> {
         let segments: usize = found.iter().map(|path| path.data().len()).sum();
         if segments > MOST_SEGMENTS {
             return Err(Error::TooLarge {
+                what: Large::Drawing,
                 name: self.name.into(),
                 found: format!("{segments} segments"),
                 limit: format!("{MOST_SEGMENTS} segments"),

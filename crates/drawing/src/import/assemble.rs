@@ -16,7 +16,7 @@ use image::RgbImage;
 use kurbo::Shape as _;
 use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
-use vtex_base::error::{Error, Result};
+use vtex_base::error::{Error, Large, Result};
 use vtex_base::geometry::{Affine, Outline, Rect};
 use vtex_base::parallel;
 use vtex_base::progress::{Progress, advance};
@@ -91,7 +91,7 @@ pub(super) fn scale(page: &DrawingPage, pieces: &[DrawingPiece], name: &str) -> 
     if painted * factor * factor > 1.01 * MOST_PAINTED {
         let found = format!("shapes that cover its page {:.0} times", times(painted));
         let limit = format!("{:.0} times", times(MOST_PAINTED / factor / factor));
-        return Err(Error::TooLarge { name: name.into(), found, limit });
+        return Err(Error::TooLarge { what: Large::Drawing, name: name.into(), found, limit });
     }
     Ok(page.size.map(|v| libm::round(v * factor).max(1.0) as u32))
 }
@@ -241,7 +241,12 @@ fn drawn(
         }
         if runs > MOST_RUNS {
             let found = "shapes of more than 50 million runs of pixels".into();
-            return Err(Error::TooLarge { name: name.into(), found, limit: "50 million runs".into() });
+            return Err(Error::TooLarge {
+                what: Large::Drawing,
+                name: name.into(),
+                found,
+                limit: "50 million runs".into(),
+            });
         }
     }
     Ok((shapes, masks))

@@ -28,7 +28,6 @@ mod recurring;
 mod shapes;
 mod torus;
 
-pub use read::CONVERT;
 pub use vtex_scene::library::Grouping;
 
 use crate::svg_tree;

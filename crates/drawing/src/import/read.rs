@@ -8,7 +8,7 @@ use crate::svg_tree;
 use kurbo::Shape as _;
 use resvg::usvg::{self, roxmltree};
 use std::collections::{BTreeMap, BTreeSet};
-use vtex_base::error::{Error, Result, clip_to};
+use vtex_base::error::{Error, Large, Result, clip_to};
 use vtex_base::geometry::{Affine, BezPath, Point};
 use vtex_base::progress::{Progress, advance};
 use vtex_scene::element::stroked;
@@ -27,9 +27,6 @@ const FURTHEST: f64 = 100.0;
 const LARGEST_PAGE: f64 = 1e6;
 /// The namespace of SVG.
 const SVG: &str = "http://www.w3.org/2000/svg";
-/// Advice for parts that cannot be read.
-pub const CONVERT: &str = "turn it into plain shapes in the program that made it, or delete it";
-
 /// A drawing as it was read; coordinates are those of its page.
 pub(super) struct DrawingPage {
     /// Width and height.
@@ -90,7 +87,12 @@ pub(super) fn read(bytes: &[u8], name: &str, lenient: bool, progress: &dyn Progr
     let text = svg_tree::text(bytes, name, fail)?;
     if text.len() > LARGEST {
         let found = format!("{} MB of SVG text", text.len() / 1_000_000);
-        return Err(Error::TooLarge { name: name.into(), found, limit: "64 MiB".into() });
+        return Err(Error::TooLarge {
+            what: Large::Drawing,
+            name: name.into(),
+            found,
+            limit: "64 MiB".into(),
+        });
     }
     let document = svg_tree::document(&text).map_err(fail)?;
     let nodes = document.descendants().filter(roxmltree::Node::is_element).count();
@@ -127,7 +129,7 @@ pub(super) fn fault(name: &str, reason: impl Into<String>, advice: &'static str)
 
 fn too_many(name: &str, found: usize, most: usize) -> Error {
     let [found, limit] = [found, most].map(|n| format!("{n} shapes"));
-    Error::TooLarge { name: name.into(), found, limit }
+    Error::TooLarge { what: Large::Drawing, name: name.into(), found, limit }
 }
 
 /// The message about texts, which the tree of shapes leaves out; `None` if there are no texts.
@@ -214,7 +216,7 @@ impl<'a, 'd> DrawingReader<'a, 'd> {
             return Ok(());
         }
         let id = if id.is_empty() { String::new() } else { format!(" '{}'", clip_to(id, 60)) };
-        Err(fault(self.name, format!("the element{id} {what}"), CONVERT))
+        Err(Error::Undrawable { name: self.name.into(), reason: format!("the element{id} {what}") })
     }
 
     fn group<'t>(&mut self, group: &'t usvg::Group, place: WalkState<'t>, clips: &[Clip]) -> Result<()> {
@@ -303,7 +305,12 @@ impl<'a, 'd> DrawingReader<'a, 'd> {
         self.segments += path.data().len();
         if self.segments > MOST_SEGMENTS {
             let found = "more than 10 million lines and curves".into();
-            return Err(Error::TooLarge { name: self.name.into(), found, limit: "10 million".into() });
+            return Err(Error::TooLarge {
+                what: Large::Drawing,
+                name: self.name.into(),
+                found,
+                limit: "10 million".into(),
+            });
         }
         let map = affine(path.abs_transform());
         let local = bezier(path.data());

@@ -157,7 +157,7 @@ fn act(
                 (Some(file), None, None) => Propagated::Over(files.drawing(file)?),
                 (None, Some(file), None) => Propagated::Alone(files.drawing(file)?),
                 (None, None, Some(colour)) => Propagated::Fill(*colour),
-                _ => return Err(EditFault::NotOneOf("a drawing, --element and --fill")),
+                _ => return Err(EditFault::NotOneOf("a drawing, an element and a fill")),
             };
             if similar.is_some() && drawing.is_none() && of.is_none() {
                 return Err(EditFault::LikeNothing);

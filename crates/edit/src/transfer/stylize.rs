@@ -14,7 +14,7 @@ use image::RgbImage;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use vtex_base::error::{Error, Result, check};
+use vtex_base::error::{Error, Large, Result, check};
 use vtex_base::geometry::{Point, Vec2};
 use vtex_base::parallel;
 use vtex_base::raster::blur::{Plane, oklab_planes};
@@ -117,6 +117,7 @@ pub fn stylize(picture: &RgbImage, texture: &Scene, params: &StylizeParams) -> R
         let places = canvas[0] * canvas[1] / (distance * distance);
         if places > MOST_PLACES {
             return Err(Error::TooLarge {
+                what: Large::Picture,
                 name: "picture".into(),
                 found: format!("{:.0} million places for elements {distance} px apart", places / 1e6),
                 limit: format!("{:.0} million places", MOST_PLACES / 1e6),

@@ -26,9 +26,8 @@ use content::ContentStream;
 use file::{File, Ref};
 use std::fmt::Write as _;
 use std::io::{self, Write};
-use std::path::Path;
 use textons::PdfTextons;
-use vtex_base::error::{Error, Result, check};
+use vtex_base::error::check;
 use vtex_base::geometry::{Affine, Outline, Rect, Vec2};
 use vtex_scene::scene::{Layer, Scene};
 
@@ -40,8 +39,8 @@ const LARGEST_PAGE: f64 = 14_400.0;
 /// Writes a scene as PDF, of 96 pixels to the inch. Same scene: the same bytes. Gives their number.
 ///
 /// # Errors
-/// A scene that breaks its invariants; a failing writer, as [`Error::Write`] with the path `-`.
-pub fn write(scene: &Scene, out: impl Write) -> Result<u64> {
+/// A scene that breaks its invariants; a failing writer.
+pub fn write(scene: &Scene, out: impl Write) -> io::Result<u64> {
     write_at(scene, CSS_DPI, out)
 }
 
@@ -49,11 +48,12 @@ pub fn write(scene: &Scene, out: impl Write) -> Result<u64> {
 ///
 /// # Errors
 /// Those of [`write()`], and [`Error::Parameter`] for no pixels.
-pub fn write_at(scene: &Scene, dpi: u32, mut out: impl Write) -> Result<u64> {
+pub fn write_at(scene: &Scene, dpi: u32, mut out: impl Write) -> io::Result<u64> {
     check(dpi > 0, "dpi", dpi, "1 or more")?;
     scene.check()?;
-    let bytes = document(scene, dpi).map_err(|e| Error::write(Path::new("-"), e))?;
-    out.write_all(&bytes).and_then(|()| out.flush()).map_err(|e| Error::write(Path::new("-"), e))?;
+    let bytes = document(scene, dpi)?;
+    out.write_all(&bytes)?;
+    out.flush()?;
     Ok(bytes.len() as u64)
 }
 

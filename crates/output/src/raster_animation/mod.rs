@@ -6,10 +6,9 @@ mod palette;
 
 use palette::AnimationPalette;
 use std::borrow::Cow;
-use std::io::Write;
-use std::path::Path;
+use std::io::{self, Write};
 use tiny_skia::Pixmap;
-use vtex_base::error::{Error, Result, check};
+use vtex_base::error::{Error, Large, Result, check};
 use vtex_base::parallel;
 
 /// How pictures follow one another. They play again and again.
@@ -37,8 +36,8 @@ impl RasterAnimation {
     ///
     /// # Errors
     /// Those of `frame`; a parameter out of range; pictures of more than 65535 pixels on a side;
-    /// a failing writer, as [`Error::Write`] with the path `-`.
-    pub fn write_gif(&self, mut frame: impl FnMut(u32) -> Result<Pixmap>, out: impl Write) -> Result<()> {
+    /// a failing writer.
+    pub fn write_gif(&self, mut frame: impl FnMut(u32) -> Result<Pixmap>, out: impl Write) -> io::Result<()> {
         self.check()?;
         let looks = LOOKS.min(self.frames);
         let mut seen = Vec::new();
@@ -49,6 +48,7 @@ impl RasterAnimation {
         let palette = AnimationPalette::new(&seen);
         let side = |v: u32| {
             u16::try_from(v).map_err(|_| Error::TooLarge {
+                what: Large::Picture,
                 name: "GIF".into(),
                 found: format!("{v} pixels on a side"),
                 limit: "65535 pixels".into(),
@@ -94,7 +94,7 @@ impl RasterAnimation {
         opaque: bool,
         mut frame: impl FnMut(u32) -> Result<Pixmap>,
         out: impl Write,
-    ) -> Result<()> {
+    ) -> io::Result<()> {
         self.check()?;
         let first = frame(0)?;
         let mut encoder = png::Encoder::new(out, first.width(), first.height());
@@ -121,12 +121,11 @@ impl RasterAnimation {
     }
 }
 
-fn failed_gif(e: gif::EncodingError) -> Error {
-    let source = match e {
+fn failed_gif(e: gif::EncodingError) -> io::Error {
+    match e {
         gif::EncodingError::Io(e) => e,
-        other => std::io::Error::other(other.to_string()),
-    };
-    Error::write(Path::new("-"), source)
+        other => io::Error::other(other.to_string()),
+    }
 }
 
 #[cfg(test)]
@@ -222,10 +221,8 @@ mod tests {
     fn a_pace_out_of_range_is_refused() {
         for rate in [0.0, 101.0, f64::NAN] {
             let animation = RasterAnimation { frames: 2, rate };
-            assert!(matches!(
-                animation.write_gif(|k| Ok(picture(k)), Vec::new()),
-                Err(Error::Parameter { name: "fps", .. })
-            ));
+            let fault = animation.write_gif(|k| Ok(picture(k)), Vec::new()).unwrap_err();
+            assert!(matches!(fault.downcast(), Ok(Error::Parameter { name: "fps", .. })));
         }
     }
 }

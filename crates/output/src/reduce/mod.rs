@@ -54,12 +54,12 @@ pub struct ReducedScene<'a> {
 /// # Errors
 /// [`Error::Format`] for a scene that breaks its invariants; [`Error::MaxBytes`] if even the last
 /// step is too large; those of `measure`.
-pub fn to_fit<'a>(
+pub fn to_fit<'a, E: From<Error>>(
     scene: &'a Scene,
     options: &SvgOptions,
     most: u64,
-    measure: impl Fn(&Scene, &SvgOptions) -> Result<u64>,
-) -> Result<ReducedScene<'a>> {
+    measure: impl Fn(&Scene, &SvgOptions) -> Result<u64, E>,
+) -> Result<ReducedScene<'a>, E> {
     scene.check()?;
     if measure(scene, options)? <= most {
         return Ok(ReducedScene { scene: Cow::Borrowed(scene), options: *options, given_up: None });
@@ -67,7 +67,7 @@ pub fn to_fit<'a>(
     let steps = ladder(options.precision);
     let mut refits = Refits { scene, last: None };
     let mut ranks = None;
-    let mut at = |step: &ReductionStep| -> Result<(ReducedScene<'a>, u64)> {
+    let mut at = |step: &ReductionStep| -> Result<(ReducedScene<'a>, u64), E> {
         let mut result = refits.at(step.tolerance, step.decimals).clone();
         let mut given_up =
             GivenUp { decimals: step.decimals, tolerance: step.tolerance, ..GivenUp::default() };
@@ -82,7 +82,7 @@ pub fn to_fit<'a>(
     };
     let (mut best, smallest) = at(&steps[steps.len() - 1])?;
     if smallest > most {
-        return Err(Error::MaxBytes { most, smallest });
+        return Err(Error::MaxBytes { most, smallest }.into());
     }
     // All steps before `low` are too large, `high` fits.
     let (mut low, mut high) = (0, steps.len() - 1);
@@ -151,13 +151,14 @@ fn refitted(scene: &Scene, tolerance: f64, decimals: u8) -> Scene {
 mod tests {
     use super::*;
     use crate::{svg, testing};
+    use std::io;
     use vtex_scene::scene::Role;
 
-    fn bytes(scene: &Scene, options: &SvgOptions) -> Result<u64> {
-        svg::write(scene, options, std::io::sink()).map(|s| s.bytes)
+    fn bytes(scene: &Scene, options: &SvgOptions) -> io::Result<u64> {
+        svg::write(scene, options, io::sink()).map(|s| s.bytes)
     }
 
-    fn fit(scene: &Scene, most: u64) -> Result<ReducedScene<'_>> {
+    fn fit(scene: &Scene, most: u64) -> io::Result<ReducedScene<'_>> {
         to_fit(scene, &SvgOptions::default(), most, bytes)
     }
 
@@ -174,7 +175,9 @@ mod tests {
     fn smaller_files_give_up_more_and_fit() {
         let scene = testing::scene(500, 300, 2);
         let whole = bytes(&scene, &SvgOptions::default()).unwrap();
-        let Err(Error::MaxBytes { smallest, .. }) = fit(&scene, 1) else { panic!("nothing is that small") };
+        let Ok(Error::MaxBytes { smallest, .. }) = fit(&scene, 1).unwrap_err().downcast() else {
+            panic!("nothing is that small")
+        };
         let mut last = GivenUp { decimals: 2, ..GivenUp::default() };
         for k in 1..=10 {
             let most = whole - (whole - smallest) * k / 10;

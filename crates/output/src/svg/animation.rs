@@ -20,7 +20,7 @@ use super::{NamedField, SvgSummary, backgrounds};
 use crate::background::PreparedBackground;
 use std::fmt::Write as _;
 use std::io::{self, Write};
-use vtex_base::error::{Result, check};
+use vtex_base::error::check;
 use vtex_base::geometry::{Point, Rect, Vec2};
 use vtex_edit::interpolate::{Brush, Interpolation, LayerMotion, Motion, MovingShape};
 use vtex_scene::scene::{Edge, InstanceId, Scene};
@@ -50,8 +50,8 @@ pub struct Animation {
 /// same bytes.
 ///
 /// # Errors
-/// A parameter out of range; a failing writer, as [`vtex_base::Error::Write`] with the path `-`.
-pub fn write_animation(way: &Interpolation, options: &Animation, out: impl Write) -> Result<SvgSummary> {
+/// A parameter out of range; a failing writer.
+pub fn write_animation(way: &Interpolation, options: &Animation, out: impl Write) -> io::Result<SvgSummary> {
     check(options.precision <= 6, "precision", options.precision, "0 to 6 digits")?;
     check((0.01..=1e5).contains(&options.seconds), "seconds", options.seconds, "0.01 to 100000")?;
     let motions = way.motions();

@@ -11,7 +11,7 @@ use super::xml::Xml;
 use super::{Document, SvgOptions, SvgSummary, summed};
 use std::collections::BTreeMap;
 use std::io::{self, Write};
-use vtex_base::error::{Result, check};
+use vtex_base::error::check;
 use vtex_edit::flow::{Flowing, Key};
 use vtex_scene::scene::{Instance, InstanceId, Scene};
 
@@ -22,13 +22,13 @@ const DIGITS: u8 = 6;
 /// the loop, 0.01 to 100 000. Same arguments: the same bytes.
 ///
 /// # Errors
-/// A parameter out of range; a failing writer, as [`vtex_base::Error::Write`] with the path `-`.
+/// A parameter out of range; a failing writer.
 pub fn write_flow(
     flowing: &Flowing,
     seconds: f64,
     options: &SvgOptions,
     out: impl Write,
-) -> Result<SvgSummary> {
+) -> io::Result<SvgSummary> {
     check((0.01..=1e5).contains(&seconds), "seconds", seconds, "0.01 to 100000")?;
     let scene = flowing.scene();
     let precision = options.precision;
@@ -275,8 +275,8 @@ mod tests {
     fn seconds_have_a_range() {
         let flowing = Flowing::new(&scene(), &Flow::Wind, &FlowParams::default()).unwrap();
         for seconds in [0.0, f64::NAN, 1e6] {
-            let fault = write_flow(&flowing, seconds, &SvgOptions::default(), Vec::new());
-            assert!(matches!(fault, Err(vtex_base::Error::Parameter { .. })));
+            let fault = write_flow(&flowing, seconds, &SvgOptions::default(), Vec::new()).unwrap_err();
+            assert!(matches!(fault.downcast(), Ok(vtex_base::Error::Parameter { .. })));
         }
     }
 }

@@ -47,7 +47,6 @@ use flowing::{DocumentMotion, Way, at_origin};
 use layers::LayerGroup;
 use number::{HexColour, Number};
 use std::io::{self, Write};
-use std::path::Path;
 use textons::SvgTextons;
 use vtex_base::error::{Error, Result, check};
 use vtex_base::geometry::Vec2;
@@ -112,8 +111,8 @@ pub struct SvgSummary {
 /// Writes a scene as SVG. Same scene and options: the same bytes.
 ///
 /// # Errors
-/// A precision out of range; a scene that breaks its invariants; a failing writer, as [`Error::Write`] with the path `-`.
-pub fn write(scene: &Scene, options: &SvgOptions, out: impl Write) -> Result<SvgSummary> {
+/// A precision out of range; a scene that breaks its invariants; a failing writer.
+pub fn write(scene: &Scene, options: &SvgOptions, out: impl Write) -> io::Result<SvgSummary> {
     write_with_recipe(scene, options, None, out)
 }
 
@@ -127,7 +126,7 @@ pub fn write_with_recipe(
     options: &SvgOptions,
     recipe: Option<&serde_json::Value>,
     out: impl Write,
-) -> Result<SvgSummary> {
+) -> io::Result<SvgSummary> {
     write_at(scene, options, recipe, CSS_DPI, out)
 }
 
@@ -142,7 +141,7 @@ pub fn write_at(
     recipe: Option<&serde_json::Value>,
     dpi: u32,
     out: impl Write,
-) -> Result<SvgSummary> {
+) -> io::Result<SvgSummary> {
     check(dpi > 0, "dpi", dpi, "1 or more")?;
     let document = Document { recipe, dpi, ..Document::new(scene, options, 0.0)? };
     summed(document.textons.shared_count(), out, |xml| document.write(xml))
@@ -153,9 +152,9 @@ pub fn write_at(
 ///
 /// # Errors
 /// [`Error::Seams`] for a scene that does not tile along both axes; those of [`write`].
-pub fn write_pattern(scene: &Scene, options: &SvgOptions, out: impl Write) -> Result<SvgSummary> {
+pub fn write_pattern(scene: &Scene, options: &SvgOptions, out: impl Write) -> io::Result<SvgSummary> {
     if !scene.tile.both() {
-        return Err(Error::Seams);
+        return Err(Error::Seams.into());
     }
     let document = Document::new(scene, options, BLEED)?;
     summed(document.textons.shared_count(), out, |xml| document.write_pattern(xml))
@@ -166,11 +165,11 @@ fn summed<W: Write>(
     shared_textons: u64,
     out: W,
     content: impl FnOnce(&mut Xml<W>) -> io::Result<()>,
-) -> Result<SvgSummary> {
+) -> io::Result<SvgSummary> {
     let program = vtex_base::PROGRAM.strip_prefix("vtex ").unwrap_or_default();
     let mut xml = Xml::new(out, &format!("{BEGINNING}{program} -->\n"));
     let written = content(&mut xml).and_then(|()| xml.finish());
-    let (bytes, elements, drawn) = written.map_err(|e| Error::write(Path::new("-"), e))?;
+    let (bytes, elements, drawn) = written?;
     let warnings = too_much(drawn).into_iter().collect();
     Ok(SvgSummary { bytes, elements, drawn: drawn.elements, shared_textons, warnings })
 }
@@ -196,8 +195,10 @@ fn too_much(drawn: ViewerLoad) -> Option<String> {
             ", librsvg stops at {MANY_REFERENCES} references, of which it has {references}"
         ));
     }
-    let expand = if linked && !many { " --expand," } else { "" };
-    Some(text + &format!("; lighter are a smaller --size,{expand} --max-bytes, --max-paths, or a PNG"))
+    let expand = if linked && !many { " elements written in full," } else { "" };
+    Some(
+        text + &format!("; lighter are a smaller canvas,{expand} a limit of bytes, fewer elements, or a PNG"),
+    )
 }
 
 /// A scene made ready to be written.

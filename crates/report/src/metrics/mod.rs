@@ -28,7 +28,7 @@ use image::RgbImage;
 use plane::Channel;
 use serde::Serialize;
 pub use structure::Spread;
-use vtex_base::error::{Error, Result, check};
+use vtex_base::error::{Error, Large, Result, check};
 use vtex_base::progress::{Progress, advance};
 use vtex_base::raster::{Filter, resized};
 
@@ -209,5 +209,10 @@ fn check_pixels(pixels: f64, most: u64, name: &str) -> Result<()> {
         return Ok(());
     }
     let limit = format!("{most} pixels");
-    Err(Error::TooLarge { name: name.into(), found: format!("{pixels:.0} pixels"), limit })
+    Err(Error::TooLarge {
+        what: Large::Picture,
+        name: name.into(),
+        found: format!("{pixels:.0} pixels"),
+        limit,
+    })
 }

@@ -21,8 +21,7 @@ pub use photo::Photo;
 
 use groups::ReportGroup;
 use page::{Embedded, ReportPage};
-use std::io::Write;
-use std::path::Path;
+use std::io::{self, Write};
 use vtex_base::document::Document;
 use vtex_base::error::{Error, Result};
 use vtex_output::file::gzip;
@@ -56,9 +55,8 @@ pub struct Subject<'a> {
 /// Writes the page. The same subject gives the same bytes. Returns warnings, one sentence each.
 ///
 /// # Errors
-/// [`Error::Format`] for a library or scene that breaks its invariants; [`Error::Write`] with the path
-/// `-` if the writer fails.
-pub fn write(subject: &Subject<'_>, mut out: impl Write) -> Result<Vec<String>> {
+/// [`Error::Format`] for a library or scene that breaks its invariants; those of the writer.
+pub fn write(subject: &Subject<'_>, mut out: impl Write) -> io::Result<Vec<String>> {
     subject.libraries.iter().try_for_each(check)?;
     subject.scene.map_or(Ok(()), check)?;
     let groups = ReportGroup::all(subject);
@@ -92,9 +90,9 @@ pub fn write(subject: &Subject<'_>, mut out: impl Write) -> Result<Vec<String>> 
         None => None,
     };
     let data = data::ReportData { program: vtex_base::PROGRAM, groups: described, scene };
-    let json = serde_json::to_string(&data).map_err(|e| Error::write(Path::new("-"), e.into()))?;
+    let json = serde_json::to_string(&data)?;
     let page = ReportPage { title: title(subject, &groups), json, files };
-    page.write(&mut out).map_err(|e| Error::write(Path::new("-"), e))?;
+    page.write(&mut out)?;
     Ok(photo::strangers(&groups, subject.photos))
 }
 
@@ -105,10 +103,10 @@ fn check<T: Document>(named: &Named<T>) -> Result<()> {
 }
 
 /// A scene as a compressed SVG.
-fn picture(id: String, scene: &Scene) -> Result<Embedded<'static>> {
+fn picture(id: String, scene: &Scene) -> io::Result<Embedded<'static>> {
     let mut packed = gzip(Vec::new());
     svg::write(scene, &SvgOptions::default(), &mut packed)?;
-    let bytes = packed.finish().map_err(|e| Error::write(Path::new("-"), e))?;
+    let bytes = packed.finish()?;
     Ok(Embedded { id, media_type: "image/svg+xml", gzip: true, bytes: bytes.into() })
 }
 

@@ -3,6 +3,7 @@
 use super::jobs::JobSource;
 use super::values::{Extension, Shard};
 use crate::cli::options::analyze::AnalyzeFlags;
+use crate::cli::options::common;
 use crate::cli::options::control::ControlArgs;
 use crate::cli::options::engine::EngineArgs;
 use crate::cli::options::masks::SamArgs;
@@ -18,7 +19,8 @@ use std::path::PathBuf;
 #[derive(Args)]
 #[command(
     override_usage = "vtex batch [OPTIONS] --out-dir <DIR> <INPUT>...",
-    after_help = "\
+    mut_args(common(&["size", "tile"])),
+    after_long_help = "\
 Examples:
   vtex batch photos --out-dir textures --size 1000 --seed 7
   vtex batch a.jpg b.lib.json --out-dir textures --format svgz,scene.json.gz
@@ -35,11 +37,11 @@ pub(crate) struct BatchArgs {
     #[arg(value_name = "INPUT", required = true)]
     pub(crate) input: Vec<PathBuf>,
     /// Folder for results, named after their inputs, made if need be
-    #[arg(short = 'o', long, value_name = "DIR", required = true, help_heading = "Output")]
+    #[arg(short = 'o', long, value_name = "DIR", required = true)]
     pub(crate) out_dir: Option<PathBuf>,
     /// Formats written for each: svg, svgz, pdf, png, scene.json, scene.json.gz, lib.json,
     /// lib.json.gz [default: svg]
-    #[arg(long, value_name = "NAME,...", value_delimiter = ',', help_heading = "Output")]
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     #[arg(value_parser = one_of(&Extension::ALL, str::parse::<Extension>), hide_possible_values = true)]
     pub(crate) format: Option<Vec<Extension>>,
     /// Do all jobs anew, and replace existing files even if vtex did not write them

@@ -15,7 +15,7 @@ use std::path::PathBuf;
 #[derive(Args)]
 #[command(
     override_usage = "vtex inspect [OPTIONS] <FILE>...",
-    after_help = "\
+    after_long_help = "\
 Examples:
   vtex inspect photo.lib.json
   vtex inspect out.scene.json --json | jq .counts
@@ -28,7 +28,7 @@ pub(crate) struct InspectArgs {
     pub(crate) file: Vec<PathBuf>,
     /// Write a page for a browser, .html: pictures with layers and a slider, categories,
     /// distributions; - writes it to stdout [default: none, what the file holds is printed]
-    #[arg(short, long, value_name = "FILE", help_heading = "Output")]
+    #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) force: ForceArgs,

@@ -4,6 +4,7 @@ use crate::cli::failure::Failure;
 use crate::cli::format;
 use crate::cli::input::Input;
 use crate::cli::layer_maps::{MapFormat, MapTarget};
+use crate::cli::options::common;
 use crate::cli::options::files::{ForceArgs, apart, check_files};
 use crate::cli::output::Destination;
 use crate::cli::values::{Axes, Size, named};
@@ -16,7 +17,8 @@ use vtex::layers::{Count, FindParams};
 #[derive(Args)]
 #[command(
     override_usage = "vtex layers [OPTIONS] <INPUT>\n       vtex layers [OPTIONS] --heights <FILE>",
-    after_help = "\
+    mut_args(common(&["layers", "size", "tile"])),
+    after_long_help = "\
 Examples:
   vtex layers rust.jpg -o map.png --size 1000 --save-layers layers.png
   vtex layers rust.lib.json -o map.png --size 1000 --seed 3
@@ -32,9 +34,8 @@ pub(crate) struct LayersArgs {
     /// A photograph, its library, or a layer map: a picture in 2 to 6 flat colours; - reads stdin
     #[arg(value_name = "INPUT", required_unless_present_any = ["heights", "dump_config"])]
     pub(super) input: Option<PathBuf>,
-    /// The new map, by extension .png, .svg or .json; - writes PNG to stdout
-    /// [default: ./INPUT.layers.png]
-    #[arg(short, long, value_name = "FILE", help_heading = "Output")]
+    /// The new map: .png, .svg or .json; - writes PNG to stdout [default: ./INPUT.layers.png]
+    #[arg(short, long, value_name = "FILE")]
     pub(super) output: Option<PathBuf>,
     /// Also write the layers of the photograph as a map of its size: .png, .svg or .json
     #[arg(long, value_name = "FILE", help_heading = "Output")]

@@ -1,14 +1,18 @@
-//! `vtex metrics`: how alike an exemplar and a result are.
+//! `vtex metrics`: how alike an exemplar and a result are, and how well elements are found again.
 
 mod arrangement;
 mod content;
+mod cycle;
 mod pictures;
 mod show;
 
+use crate::cli::analysis::Analysis;
 use crate::cli::command::{Arguments, Job, Resolved};
 use crate::cli::common::Common;
 use crate::cli::failure::Failure;
 use crate::cli::input::Input;
+use crate::cli::options::engine::EngineArgs;
+use crate::cli::options::files::{check_files, required};
 use crate::cli::progress::Reporter;
 use clap::Args;
 use content::FileContent;
@@ -17,54 +21,76 @@ use std::path::PathBuf;
 /// Say in numbers how alike an exemplar and a result are
 #[derive(Args)]
 #[command(
-    override_usage = "vtex metrics [OPTIONS] <EXEMPLAR> <RESULT>",
-    after_help = "\
+    alias = "check",
+    override_usage = "vtex metrics [OPTIONS] <EXEMPLAR> <RESULT>\n       vtex metrics [OPTIONS] <RESULT> --library <LIBRARY>",
+    mut_arg("engine", |arg| arg.requires("library")),
+    mut_arg("onnxruntime", |arg| arg.requires("library")),
+    after_long_help = "\
 Examples:
   vtex metrics photo.jpg out.svg
   vtex metrics photo.jpg twice-as-large.png --scale 2 --json
   vtex metrics photo.lib.json out.scene.json
+  vtex metrics out.scene.json --library photo.lib.json
 
-Pictures are compared by colours, spectra, grain and structure; a library and a scene made from it
-by coverage, repetition and how elements keep together or apart. A library beside a picture counts
-as its exemplar, drawn."
+Pictures are compared by colours, spectra, grain and structure; a library and
+a scene made from it by coverage, repetition and how elements keep together or
+apart. A library beside a picture counts as its exemplar, drawn.
+
+With --library a scene is drawn, the picture analysed, and counted what is
+found again of large elements that lie whole on the canvas and are mostly
+seen. Compare the numbers with those of the library itself, given in place of
+the scene. An SVG is read as a drawing."
 )]
 pub(crate) struct MetricsArgs {
     /// The exemplar: a picture, SVG, library or scene; - reads stdin
-    #[arg(value_name = "EXEMPLAR")]
-    pub(crate) exemplar: PathBuf,
+    #[arg(value_name = "EXEMPLAR", required = true)]
+    pub(crate) exemplar: Option<PathBuf>,
     /// The result: a picture, SVG, scene or library; - reads stdin
-    #[arg(value_name = "RESULT")]
-    pub(crate) result: PathBuf,
+    #[arg(value_name = "RESULT", required_unless_present_any = ["library", "dump_config"])]
+    pub(crate) result: Option<PathBuf>,
     /// How many times as large the result shows the texture; it is made smaller by as much first
     /// [0.01 to 100, default: 1]
     #[arg(long, value_name = "NUMBER", default_value_t = 1.0, hide_default_value = true)]
     #[arg(allow_negative_numbers = true)]
     pub(crate) scale: f64,
+    /// Find the elements of a scene, SVG or library again in its picture, which is analysed with the
+    /// parameters of this library
+    #[arg(long, value_name = "LIBRARY", conflicts_with_all = ["result", "scale"])]
+    pub(crate) library: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) engine: EngineArgs,
 }
 
 impl Arguments for MetricsArgs {
-    fn job(self: Box<Self>, _: Resolved) -> anyhow::Result<Job> {
-        Ok(Box::new(move |common, reporter| run(common, reporter, &self)))
+    fn job(self: Box<Self>, resolved: Resolved) -> anyhow::Result<Job> {
+        let first = required(self.exemplar)?;
+        if let Some(library) = self.library.map(Input::new) {
+            // The same file may be both.
+            if first == Input::Stdin {
+                check_files(&[("the scene", &first), ("--library", &library)], &[])?;
+            }
+            let analysis = Analysis::plain(first, self.engine, &resolved.parameters)?;
+            return Ok(Box::new(move |common, reporter| cycle::run(common, reporter, &library, analysis)));
+        }
+        let inputs = [first, required(self.result)?];
+        check_files(&[("the exemplar", &inputs[0]), ("the result", &inputs[1])], &[])?;
+        let scale = self.scale;
+        Ok(Box::new(move |common, reporter| run(common, reporter, inputs, scale)))
     }
 }
 
-fn run(common: &Common, reporter: &Reporter, arguments: &MetricsArgs) -> anyhow::Result<()> {
-    let inputs = [&arguments.exemplar, &arguments.result].map(|path| Input::new(path.clone()));
-    if inputs.iter().all(|input| *input == Input::Stdin) {
-        let failure = Failure::usage("'-' stands for both files");
-        return Err(failure.hint("standard input can be read once").into());
-    }
+fn run(common: &Common, reporter: &Reporter, inputs: [Input; 2], scale: f64) -> anyhow::Result<()> {
     reporter.stage("reading")?;
     let [exemplar, result] = [FileContent::read(&inputs[0])?, FileContent::read(&inputs[1])?];
     let names = inputs.map(|input| input.name());
     match (&exemplar, &result) {
         (FileContent::Library(library), FileContent::Scene(scene)) => {
-            if arguments.scale != 1.0 {
+            if scale != 1.0 {
                 let failure = Failure::usage("--scale is for pictures; a scene has the scale of its library");
                 return Err(failure.hint("leave it away, or give a picture of one of them").into());
             }
             arrangement::run(common, reporter, names, library, scene)
         }
-        _ => pictures::run(common, reporter, names, &exemplar, &result, arguments.scale),
+        _ => pictures::run(common, reporter, names, &exemplar, &result, scale),
     }
 }

@@ -18,7 +18,7 @@ mod known;
 mod tests;
 
 use canvas::{MOST_PIXELS, OccupiedCanvas};
-use vtex_base::error::{Error, Result};
+use vtex_base::error::{Error, Large, Result};
 use vtex_base::geometry::{Affine, Rect, Vec2};
 use vtex_base::progress::{Progress, advance};
 use vtex_scene::library::Library;
@@ -108,7 +108,7 @@ fn size_of(library: &Library) -> [f64; 2] {
 /// the rounding of the canvas.
 ///
 /// # Errors
-/// [`Error::Parameter`] that names a size nearby.
+/// [`Error::DrawingPeriods`].
 pub(crate) fn check_periods(library: &Library, params: &SynthParams) -> Result<()> {
     let whole = |size: u32, period: f64| {
         let count = libm::round(f64::from(size) / period).max(1.0);
@@ -120,13 +120,8 @@ pub(crate) fn check_periods(library: &Library, params: &SynthParams) -> Result<(
     if [width, height] == [params.width, params.height] {
         return Ok(());
     }
-    let [w, h] = [w, h].map(|v| libm::round(v * 100.0) / 100.0);
-    let value = format!(
-        "{}x{} (the drawing repeats every {w}x{h} px; {width}x{height} is near)",
-        params.width, params.height
-    );
-    let allowed = "a whole number of the drawing's periods where it is to repeat without a seam";
-    Err(Error::Parameter { name: "size", value, allowed })
+    let period = [w, h].map(|v| libm::round(v * 100.0) / 100.0);
+    Err(Error::DrawingPeriods { size: [params.width, params.height], period, near: [width, height] })
 }
 
 /// Most copies of elements on a canvas, and most pixels that all of them together may cover.
@@ -155,7 +150,7 @@ fn check_copies(library: &Library, params: &SynthParams) -> Result<()> {
         (painted / 1e6, MOST_PAINTED / 1e6, "megapixels in all copies of the drawing's elements")
     };
     let [found, limit] = [found, limit].map(|count| format!("{count:.0} {unit}"));
-    Err(Error::TooLarge { name: "size".into(), found, limit })
+    Err(Error::TooLarge { what: Large::Canvas, name: "size".into(), found, limit })
 }
 
 /// Copies of elements on a canvas, and pixels that all of them together may cover.

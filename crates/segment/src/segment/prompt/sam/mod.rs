@@ -110,10 +110,10 @@ impl Sam {
             reason,
             advice: "encoder and decoder must be from the same export of the same network",
         };
+        let missing = if encoder.is_some() { "decoder" } else { "encoder" };
         let (Some((encoder, encoding)), Some((decoder, decoding))) = (encoder, decoder) else {
-            let part = if titles.iter().any(|t| t.contains("is an encoder")) { "decoder" } else { "encoder" };
             let given = if titles.is_empty() { "no network is given".into() } else { titles.join(", ") };
-            return Err(wrong(format!("the {part} is missing ({given})")));
+            return Err(wrong(format!("the {missing} is missing ({given})")));
         };
         if encoder.family != decoder.family {
             return Err(wrong(format!("the files do not go together: {}", titles.join(", "))));

@@ -1,18 +1,12 @@
-//! `vtex check`: scene → the share of its elements that analysis of its picture finds again.
+//! A scene: how well its elements are found again in its picture.
 
 use crate::cli::analysis::{Analysis, segmenter};
-use crate::cli::command::{Arguments, Job, Resolved};
 use crate::cli::common::Common;
-use crate::cli::failure::Failure;
 use crate::cli::input::{Input, InputKind};
-use crate::cli::options::engine::EngineArgs;
-use crate::cli::options::files::{check_files, required};
 use crate::cli::output::{print_json, print_styled};
 use crate::cli::progress::Reporter;
 use crate::cli::reading;
 use crate::cli::table::table;
-use clap::Args;
-use std::path::PathBuf;
 use tiny_skia::Pixmap;
 use vtex::analyze::{Exemplar, analyze};
 use vtex::import::{ImportParams, import};
@@ -23,61 +17,16 @@ use vtex::scene::{Layer, Role, Scene};
 use vtex::statistics::Cycle;
 use vtex::synth::reconstruct;
 
-/// Draw a scene, analyse the picture, count what is found again
-#[derive(Args)]
-#[command(
-    override_usage = "vtex check [OPTIONS] <SCENE> --library <LIBRARY>",
-    after_help = "\
-Examples:
-  vtex check out.scene.json --library photo.lib.json
-  vtex check out.svg --library photo.lib.json --json
-
-Large elements count that lie whole on the canvas and are mostly seen. The
-picture is analysed with the parameters of the library. Compare the numbers
-with those of the library itself, given in place of the scene. An SVG is read
-as a drawing."
-)]
-pub(crate) struct CheckArgs {
-    /// A scene, plain or gzip, an SVG, or a library as its exemplar is; - reads stdin
-    #[arg(value_name = "SCENE", required = true)]
-    pub(crate) scene: Option<PathBuf>,
-    /// The library whose parameters of analysis are used
-    #[arg(long, value_name = "LIBRARY", required = true)]
-    pub(crate) library: Option<PathBuf>,
-    #[command(flatten)]
-    pub(crate) engine: EngineArgs,
-}
-
-/// A scene, and how its picture is analysed.
-struct Checking {
-    library: Input,
-    analysis: Analysis,
-}
-
-impl Arguments for CheckArgs {
-    fn job(self: Box<Self>, resolved: Resolved) -> anyhow::Result<Job> {
-        let checking = Checking::new(*self, &resolved)?;
-        Ok(Box::new(move |common, reporter| run(common, reporter, checking)))
-    }
-}
-
-impl Checking {
-    fn new(a: CheckArgs, resolved: &Resolved) -> Result<Self, Failure> {
-        let (scene, library) = (required(a.scene)?, required(a.library)?);
-        // The same file may be scene and library.
-        if scene == Input::Stdin {
-            check_files(&[("the scene", &scene), ("--library", &library)], &[])?;
-        }
-        let parameters = &resolved.parameters;
-        let analysis = Analysis::plain(scene, a.engine, parameters)?;
-        Ok(Self { library, analysis })
-    }
-}
-
-fn run(common: &Common, reporter: &Reporter, checking: Checking) -> anyhow::Result<()> {
-    let Checking { library, mut analysis } = checking;
+/// Counts the elements that analysis of the picture of a scene finds again. `analysis` reads the scene and has the parameters of
+/// the library.
+pub(super) fn run(
+    common: &Common,
+    reporter: &Reporter,
+    library: &Input,
+    mut analysis: Analysis,
+) -> anyhow::Result<()> {
     reporter.stage("reading")?;
-    let known = reading::libraries(&[library])?.remove(0);
+    let known = reading::libraries(std::slice::from_ref(library))?.remove(0);
     analysis.parameters = known.source.parameters.clone();
     let bytes = analysis.input.read()?;
     let wanted = [InputKind::Scene, InputKind::Library, InputKind::Svg, InputKind::Unknown];

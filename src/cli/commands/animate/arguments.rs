@@ -1,0 +1,142 @@
+//! The arguments of `vtex animate`.
+
+use crate::cli::failure::Failure;
+use crate::cli::input::Input;
+use crate::cli::options::files::{ForceArgs, apart, outputs};
+use crate::cli::options::frames::{FrameFormat, Played, formats, played, rate};
+use crate::cli::options::render::RenderFlags;
+use crate::cli::options::svg::SvgFlags;
+use crate::cli::values::{between, named, one_of};
+use clap::Args;
+use clap::builder::{OsStringValueParser, TypedValueParser};
+use std::ffi::OsString;
+use std::path::PathBuf;
+use vtex::flow::Flow;
+use vtex::scene::Axis;
+
+/// A scene in motion: carried by a flow, or turned into another
+#[derive(Args)]
+#[command(
+    alias = "interp",
+    override_usage = "vtex animate [OPTIONS] <SCENE> --output <FILE>\n       vtex animate [OPTIONS] <SCENE> <TO> --output <FILE>",
+    after_long_help = "\
+Examples:
+  vtex animate grass.scene.json --flow wind -o grass.gif
+  vtex animate pebbles.scene.json --flow vortex --frames 90 -o turning.svg
+  vtex animate leaves.scene.json --flow directions.png -o frames --format png
+  vtex animate a.scene.json b.scene.json -o animation.gif --frames 30 --back
+  vtex animate a.scene.json b.scene.json -o half.svg --at 0.5
+  vtex animate a.scene.json b.scene.json -o island.svg --morph radial
+
+In a flow elements come in at the borders as others leave. Best are scenes
+that repeat ('vtex synth --tile'). Two scenes must be of one size. An animated
+SVG moves in browsers and shows the scene at rest, or the first, elsewhere."
+)]
+pub(crate) struct AnimateArgs {
+    /// The scene, plain or gzip; - reads stdin
+    #[arg(value_name = "SCENE", required = true)]
+    pub(crate) scene: Option<PathBuf>,
+    /// The scene that it turns into, plain or gzip; - reads stdin
+    #[arg(value_name = "TO", conflicts_with_all = ["flow", "rounds", "strength"])]
+    pub(crate) to: Option<PathBuf>,
+    /// The upper and the lower third of the canvas sheared, all turned about the middle, gusts of wind,
+    /// or along directions: a grey picture, black right, dark grey down, middle grey left, light grey up
+    /// [shear, vortex, wind or a file, default: wind]
+    #[arg(long, value_name = "FLOW", value_parser = OsStringValueParser::new().map(flow))]
+    pub(crate) flow: Option<FlowFrom>,
+    /// Pictures in a loop, or from one scene to the other, both included [2 to 10000, default: 60; of two
+    /// scenes 30]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    #[arg(value_parser = clap::value_parser!(u32).range(2..=10000))]
+    pub(crate) frames: Option<u32>,
+    /// Pictures in a second [0.1 to 100, default: 15]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true, value_parser = rate)]
+    #[arg(hide_short_help = true)]
+    pub(crate) fps: Option<f64>,
+    /// Rounds, or gusts, in a loop [1 to 100, default: 1]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=100), hide_short_help = true)]
+    pub(crate) rounds: Option<u32>,
+    /// Factor of how far wind and directions carry elements [0.01 to 10, default: 1]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true, value_parser = between(0.01, 10.0))]
+    #[arg(hide_short_help = true)]
+    pub(crate) strength: Option<f64>,
+    /// Play there and back, so that the animation of two scenes has no jump
+    #[arg(long, requires = "to")]
+    pub(crate) back: bool,
+    /// One scene only, so far along the way from one to the other [0 to 1]
+    #[arg(long, value_name = "SHARE", allow_negative_numbers = true, value_parser = between(0.0, 1.0))]
+    #[arg(requires = "to", conflicts_with_all = ["across", "morph", "frames", "fps", "back", "format"])]
+    pub(crate) at: Option<f64>,
+    /// One scene only, that turns into the other from left to right or from top to bottom [x or y]
+    #[arg(long, value_name = "AXIS", value_parser = one_of(&["x", "y"], named::<Axis>), hide_possible_values = true)]
+    #[arg(requires = "to", conflicts_with_all = ["frames", "fps", "back", "format"], hide_short_help = true)]
+    pub(crate) across: Option<Axis>,
+    /// One scene only, that turns into the other over the canvas: as with --across, or from the middle to
+    /// the sides, or by a grey picture, black the first and white the second [x, y, radial or a file]
+    #[arg(long, value_name = "WHERE", value_parser = OsStringValueParser::new().map(where_it_turns))]
+    #[arg(requires = "to", conflicts_with_all = ["across", "frames", "fps", "back", "format"])]
+    pub(crate) morph: Option<MorphFrom>,
+    /// Result: an animation .svg, .svgz, .gif, .png or .apng, or a folder for frames
+    ///
+    /// With --at, --across or --morph it is one scene, .svg, .svgz, .pdf, .png, .scene.json or .scene.json.gz
+    /// [default: ./SCENE.between.svg]; several -o write several files
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: Vec<PathBuf>,
+    /// Frames in a folder are [svg or png, default: svg]
+    #[arg(long, value_name = "FORMAT", hide_possible_values = true, value_parser = formats(), hide_short_help = true)]
+    pub(crate) format: Option<FrameFormat>,
+    #[command(flatten)]
+    pub(crate) force: ForceArgs,
+    #[command(flatten)]
+    pub(crate) render: RenderFlags,
+    #[command(flatten)]
+    pub(crate) svg: SvgFlags,
+}
+
+/// A flow, or the file that says it.
+#[derive(Clone, Debug)]
+pub(crate) enum FlowFrom {
+    Known(Flow),
+    File(Input),
+}
+
+fn flow(text: OsString) -> FlowFrom {
+    match text.to_str() {
+        Some("shear") => FlowFrom::Known(Flow::Shear),
+        Some("vortex") => FlowFrom::Known(Flow::Vortex),
+        Some("wind") => FlowFrom::Known(Flow::Wind),
+        _ => FlowFrom::File(Input::new(text.into())),
+    }
+}
+
+/// Where a scene turns into another.
+#[derive(Clone, Debug)]
+pub(crate) enum MorphFrom {
+    Axis(Axis),
+    Radial,
+    /// By a map in a file.
+    Map(Input),
+}
+
+fn where_it_turns(text: OsString) -> MorphFrom {
+    match text.to_str() {
+        Some("x") => MorphFrom::Axis(Axis::X),
+        Some("y") => MorphFrom::Axis(Axis::Y),
+        Some("radial") => MorphFrom::Radial,
+        _ => MorphFrom::Map(Input::new(text.into())),
+    }
+}
+
+impl AnimateArgs {
+    /// What is played: at least one.
+    pub(super) fn played(self, otherwise: &str) -> Result<Vec<Played>, Failure> {
+        if self.output.is_empty() {
+            return Err(Failure::usage("nothing says where the animation goes")
+                .hint("give -o animation.svg, .gif or .png, or a folder for frames"));
+        }
+        apart(&outputs(&self.output))?;
+        let one = |path| played(path, self.format, self.force.force, otherwise);
+        self.output.into_iter().map(one).collect()
+    }
+}

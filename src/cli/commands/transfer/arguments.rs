@@ -1,0 +1,98 @@
+//! The arguments of `vtex transfer`.
+
+use crate::cli::options::engine::EngineArgs;
+use crate::cli::options::files::ForceArgs;
+use crate::cli::options::render::RenderFlags;
+use crate::cli::options::svg::SvgFlags;
+use crate::cli::values::{between, named, one_of};
+use clap::Args;
+use std::path::PathBuf;
+use vtex::scene::TransferMode;
+use vtex::transfer::Keep;
+
+/// A texture's arrangement, or a picture, in another's elements
+#[derive(Args)]
+#[command(
+    alias = "stylize",
+    override_usage = "vtex transfer [OPTIONS] --structure <FILE> --appearance <FILE>...\n       \
+        vtex transfer [OPTIONS] --onto <PICTURE> --appearance <FILE>",
+    after_long_help = "\
+Examples:
+  vtex transfer --structure a.scene.json --appearance b.lib.json -o out.svg
+  vtex transfer --structure a.lib.json --appearance b.lib.json --mode mean
+  vtex transfer --structure a.json --appearance b.json c.json --map m.png
+  vtex transfer --onto portrait.jpg --appearance leaves.lib.json
+
+A library stands for its exemplar as it is; photographs and drawings are
+analysed first, as by 'vtex analyze'. Every element of a structure keeps its
+place, size and direction. What is too thin to be drawn anew keeps its shape
+and is counted. Elements laid onto a picture follow its edges, and are small
+where it has detail."
+)]
+pub(crate) struct TransferArgs {
+    /// The texture whose arrangement is kept: a scene or a library, plain or gzip, a photograph or a drawing;
+    /// - reads stdin
+    #[arg(long, value_name = "FILE", required_unless_present_any = ["onto", "picture", "dump_config"])]
+    pub(super) structure: Option<PathBuf>,
+    /// A picture that is redrawn in place of a structure: PNG, JPEG, TIFF, WebP, BMP, GIF, PNM or SVG; - reads
+    /// stdin
+    #[arg(long, value_name = "PICTURE", conflicts_with_all = ["structure", "map", "mode", "element_scale"])]
+    pub(super) onto: Option<PathBuf>,
+    /// The texture whose appearance is taken over: a scene or a library, plain or gzip, a photograph or a
+    /// drawing; several with --map
+    #[arg(long, value_name = "FILE", num_args = 1.., required_unless_present_any = ["with", "dump_config"])]
+    pub(super) appearance: Vec<PathBuf>,
+    /// Where which appearance is used: a picture with one colour for each, in the order of its palette, else
+    /// from dark to light; for two, grey will do
+    #[arg(long, value_name = "FILE")]
+    pub(super) map: Option<PathBuf>,
+    /// Take over the mean colours only, or replace each element by one drawn at random [mean or replace,
+    /// default: replace]
+    #[arg(long, value_name = "WORD", hide_possible_values = true)]
+    #[arg(value_parser = one_of(&["mean", "replace"], named::<TransferMode>))]
+    pub(super) mode: Option<TransferMode>,
+    /// Factor of the size of elements [0.01 to 100, default: 1]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true, value_parser = between(0.01, 100.0))]
+    #[arg(hide_short_help = true)]
+    pub(super) element_scale: Option<f64>,
+    /// Whether elements take the picture's lightness, its colours, or keep their own, the nearest being
+    /// used [lightness, color or none, default: color]
+    #[arg(long, value_name = "WORD", hide_possible_values = true, help_heading = ONTO)]
+    #[arg(value_parser = one_of(&["lightness", "color", "none"], named::<Keep>), conflicts_with = "structure")]
+    pub(super) keep: Option<Keep>,
+    /// Longer side of the canvas [32 to 16384 px, default: 1000]
+    #[arg(long, value_name = "PX", allow_negative_numbers = true, help_heading = ONTO)]
+    #[arg(value_parser = clap::value_parser!(u32).range(32..=16_384), conflicts_with = "structure")]
+    pub(super) longer_side: Option<u32>,
+    /// Distance of the largest elements [2 to 1000 px, default: a 28th of the longer side]
+    #[arg(long, value_name = "PX", allow_negative_numbers = true, help_heading = ONTO)]
+    #[arg(value_parser = between(2.0, 1000.0), conflicts_with = "structure")]
+    pub(super) element_size: Option<f64>,
+    /// Sizes of elements, each half the one before, for finer and finer detail [1 to 6, default: 4]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true, help_heading = ONTO)]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=6), conflicts_with = "structure")]
+    pub(super) levels: Option<u32>,
+    /// Result: .svg, .svgz, .pdf, .png, .scene.json or .scene.json.gz [default: ./STRUCTURE.transfer.svg or
+    /// ./PICTURE.stylized.svg]
+    ///
+    /// Its extension is its format; - writes SVG to stdout; several -o write several files
+    #[arg(short, long, value_name = "FILE")]
+    pub(super) output: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(super) engine: EngineArgs,
+    #[command(flatten)]
+    pub(super) force: ForceArgs,
+    #[command(flatten)]
+    pub(super) render: RenderFlags,
+    #[command(flatten)]
+    pub(super) svg: SvgFlags,
+    /// The picture, as `stylize` named it.
+    #[arg(hide = true, conflicts_with_all = ["onto", "structure", "map", "mode", "element_scale"])]
+    pub(super) picture: Option<PathBuf>,
+    /// The appearance, as `stylize` named it.
+    #[arg(long, hide = true, conflicts_with = "appearance")]
+    pub(super) with: Option<PathBuf>,
+}
+
+/// The heading of options for a picture.
+const ONTO: &str = "Redrawing (with --onto)";
