@@ -165,7 +165,9 @@ fn hostile_drawings_end_in_an_error_or_a_library() {
     for d in ["M1e30 0L-1e30 1e30L5 5z", "MNaN 0h9v9z", "M1e39 0h9v9z", "M0 0h1e9v1e9z"] {
         match read(&svg(&format!(r#"<path d="{d}"/><circle cx="50" cy="40" r="9"/>"#))) {
             Ok(library) => assert!(library.primaries().len() <= 2, "{d}"),
-            Err(error) => assert!(matches!(error, Error::Control { .. } | Error::Undrawable { .. }), "{error}"),
+            Err(error) => {
+                assert!(matches!(error, Error::Control { .. } | Error::Undrawable { .. }), "{error}")
+            }
         }
     }
     let bomb: String = (0..12).fold(String::from(r#"<!ENTITY a0 "<circle r='3'/>">"#), |text, k| {
