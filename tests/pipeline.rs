@@ -78,14 +78,6 @@ fn psnr(image: &RgbImage, rgba: &[u8]) -> f64 {
     10.0 * libm::log10(255.0 * 255.0 * f64::from(3 * image.width() * image.height()) / sum)
 }
 
-#[test]
-fn two_runs_give_the_same_bytes() {
-    for name in ["terrazzo", "flowers"] {
-        // Not `assert_eq`: a difference would print megabytes.
-        assert!(all_files(name) == all_files(name), "{name}");
-    }
-}
-
 #[cfg(feature = "parallel")]
 #[test]
 fn any_number_of_threads_gives_the_same_bytes() {

@@ -1,9 +1,9 @@
 //! The commands and links of the README and of the pages in `docs/` work.
 #![cfg(all(unix, feature = "cli"))]
 
-use image::{GrayImage, Luma, Rgb, RgbImage};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+use std::sync::{Mutex, PoisonError};
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -26,82 +26,129 @@ fn pages() -> Vec<(PathBuf, String)> {
     pages.into_iter().map(|page| (page.clone(), std::fs::read_to_string(page).unwrap())).collect()
 }
 
-/// Lines of the `sh` blocks that stand beneath a mark `<!-- tour -->`, in order.
-fn tour(text: &str) -> Vec<&str> {
-    let blocks = text.split("<!-- tour -->\n```sh\n").skip(1);
-    blocks.flat_map(|block| block.split("```").next().unwrap_or_default().lines()).collect()
+/// What stands before the name of a result.
+const RESULTS: [&str; 8] =
+    ["-o", ">", "--save-masks", "--save-layers", "--pattern", "--debug-dir", "--out-dir", "man"];
+
+/// The `sh` blocks beneath a mark `<!-- test: NAME -->`: their names and lines, in the order of the pages.
+fn blocks(pages: &[(PathBuf, String)]) -> Vec<(&str, Vec<&str>)> {
+    let marked = pages.iter().flat_map(|(_, text)| text.split("<!-- test: ").skip(1));
+    marked
+        .map(|part| {
+            let (name, rest) = part.split_once(" -->\n```sh\n").unwrap();
+            (name, rest.split("```").next().unwrap().lines().collect())
+        })
+        .collect()
 }
 
-/// Every file beneath a folder, with its size.
-fn files(folder: &Path) -> Vec<(String, u64)> {
-    let entries = std::fs::read_dir(folder).unwrap().map(Result::unwrap);
-    let mut found: Vec<_> = entries
-        .map(|e| (e.file_name().to_string_lossy().into_owned(), e.metadata().unwrap().len()))
-        .collect();
-    found.sort();
-    found
+/// The files and folders that a command names as its results.
+fn results(line: &str) -> Vec<String> {
+    let words: Vec<&str> = line.split_whitespace().collect();
+    let named = words.windows(2).filter(|pair| RESULTS.contains(&pair[0]) && pair[1] != "-");
+    let mut results: Vec<String> = named.map(|pair| pair[1].to_owned()).collect();
+    if let ["vtex", "analyze", photo] = words[..] {
+        results.push(photo.replace(".jpg", ".lib.json"));
+    }
+    results
 }
 
-/// The shape and the maps that the tour names.
-fn steering(folder: &Path) {
-    let disc = r#"<svg xmlns="http://www.w3.org/2000/svg" width="90" height="90"><circle cx="45" cy="45" r="40"/></svg>"#;
-    std::fs::write(folder.join("shape.svg"), disc).unwrap();
-    let cage = |d: &str| {
-        format!(r#"<svg xmlns="http://www.w3.org/2000/svg" width="800" height="400"><path d="{d}"/></svg>"#)
-    };
-    std::fs::write(folder.join("cage.svg"), cage("M0 0H800V300H0z")).unwrap();
-    std::fs::write(
-        folder.join("bent-cage.svg"),
-        cage("M0 0C250 120 550 120 800 0V300C550 420 250 420 0 300z"),
-    )
-    .unwrap();
-    let tour = std::fs::read_to_string(root().join("docs/tour.md")).unwrap();
-    let jobs = tour.split("```toml\n").nth(1).unwrap().split("```").next().unwrap().to_owned();
-    std::fs::write(folder.join("jobs.toml"), jobs).unwrap();
-    let fade = GrayImage::from_fn(256, 2, |x, _| Luma([x as u8]));
-    fade.save(folder.join("fade.png")).unwrap();
-    let ring = GrayImage::from_fn(90, 90, |x, y| {
-        let (x, y) = (f64::from(x) - 44.5, f64::from(y) - 44.5);
-        Luma([if (400.0..1600.0).contains(&(x * x + y * y)) { 255 } else { 0 }])
-    });
-    ring.save(folder.join("ring.png")).unwrap();
-    let colours = [[20, 30, 90], [200, 40, 30], [250, 240, 220]];
-    let flag = RgbImage::from_fn(30, 15, |x, _| Rgb(colours[x as usize / 10]));
-    flag.save(folder.join("flag.png")).unwrap();
-}
-
-#[test]
-fn the_tour_runs() {
-    let folder = tempfile::tempdir().unwrap();
-    let photo = image::open(root().join("examples/exemplars/terrazzo.png")).unwrap();
-    photo.crop_imm(160, 160, 192, 160).save(folder.path().join("photo.jpg")).unwrap();
-    let other = image::open(root().join("examples/exemplars/leaves.png")).unwrap();
-    other.crop_imm(100, 100, 192, 160).save(folder.path().join("other.jpg")).unwrap();
-    steering(folder.path());
+/// Runs a command and checks that it makes what it names.
+fn run_line(folder: &Path, line: &str) {
     let program = Path::new(env!("CARGO_BIN_EXE_vtex")).parent().unwrap();
     let path = format!("{}:{}", program.display(), std::env::var("PATH").unwrap());
+    let mut shell = Command::new("sh");
+    shell.args(["-c", line]).current_dir(folder).env("PATH", path).stdin(Stdio::null());
+    let output = shell.output().unwrap();
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{line}\n{message}");
+    assert!(!message.contains("error") && !message.contains("panicked"), "{line}\n{message}");
+    for result in results(line) {
+        let size = std::fs::metadata(folder.join(&result)).map_or(0, |m| m.len());
+        assert!(size > 0, "{line}: no {result}");
+    }
+}
+
+/// The files that a command names and does not make, and that are not there.
+fn missing<'a>(folder: &Path, line: &'a str) -> impl Iterator<Item = &'a str> {
+    let words = line.split_whitespace().map(|word| word.trim_matches(['\'', '"']));
+    let (folder, results) = (folder.to_owned(), results(line));
+    words.filter(move |word| !results.iter().any(|result| result == word) && !folder.join(word).exists())
+}
+
+/// Runs those of the commands that make a file, if there are any.
+fn make(folder: &Path, file: &str, commands: &[&str]) {
+    let maker = commands.iter().rposition(|line| results(line).iter().any(|result| result == file));
+    if let Some(at) = maker {
+        missing(folder, commands[at]).for_each(|file| make(folder, file, &commands[..at]));
+        run_line(folder, commands[at]);
+    }
+}
+
+/// Writes two photographs and what the pages name beside them.
+fn prepare(folder: &Path, pages: &[(PathBuf, String)]) {
+    let photo = image::open(root().join("examples/exemplars/terrazzo.png")).unwrap();
+    photo.crop_imm(160, 160, 192, 160).save(folder.join("photo.jpg")).unwrap();
+    let other = image::open(root().join("examples/exemplars/leaves.png")).unwrap();
+    other.crop_imm(100, 100, 192, 160).save(folder.join("other.jpg")).unwrap();
+    crate::cli::support::steering(folder);
+    let jobs = pages[1].1.split("```toml\n").nth(1).unwrap().split("```").next().unwrap();
+    std::fs::write(folder.join("jobs.toml"), jobs).unwrap();
+}
+
+/// Runs a block in a folder of its own. What earlier blocks make for it is made once for all.
+fn run(name: &str) {
+    static IS_PREPARED: Mutex<bool> = Mutex::new(false);
+    let made = Path::new(env!("CARGO_TARGET_TMPDIR")).join("pages");
     let pages = pages();
-    let lines: Vec<&str> = pages.iter().flat_map(|(_, text)| tour(text)).collect();
-    assert!(lines.len() > 60, "{lines:?}");
-    for line in lines {
-        let mut shell = Command::new("sh");
-        shell.args(["-c", line]).current_dir(folder.path()).env("PATH", &path).stdin(Stdio::null());
-        let output = shell.output().unwrap();
-        let message = String::from_utf8_lossy(&output.stderr);
-        assert!(output.status.success(), "{line}\n{message}");
-        assert!(!message.contains("error") && !message.contains("panicked"), "{line}\n{message}");
-        // Whatever it names as its result is there.
-        let words: Vec<&str> = line.split_whitespace().collect();
-        for pair in words.windows(2).filter(|p| ["-o", ">", "--save-masks"].contains(&p[0]) && p[1] != "-") {
-            let size = std::fs::metadata(folder.path().join(pair[1])).map_or(0, |m| m.len());
-            assert!(size > 0, "{line}: no {}", pair[1]);
+    let blocks = blocks(&pages);
+    let at = blocks.iter().position(|block| block.0 == name).unwrap();
+    let earlier: Vec<&str> = blocks[..at].iter().flat_map(|block| block.1.clone()).collect();
+    let folder = tempfile::tempdir().unwrap();
+    prepare(folder.path(), &pages);
+    for line in &blocks[at].1 {
+        for file in missing(folder.path(), line) {
+            let mut is_prepared = IS_PREPARED.lock().unwrap_or_else(PoisonError::into_inner);
+            if !*is_prepared {
+                let _ = std::fs::remove_dir_all(&made);
+                std::fs::create_dir(&made).unwrap();
+                prepare(&made, &pages);
+                *is_prepared = true;
+            }
+            if !made.join(file).exists() {
+                make(&made, file, &earlier);
+            }
+            if made.join(file).is_file() {
+                std::fs::copy(made.join(file), folder.path().join(file)).unwrap();
+            }
         }
+        run_line(folder.path(), line);
     }
-    let found = files(folder.path());
-    assert!(found.iter().all(|(_, size)| *size > 0), "{found:?}");
-    for name in ["photo.lib.json", "man1", "stages"] {
-        assert!(found.iter().any(|(file, _)| file == name), "no {name} in {found:?}");
-    }
+}
+
+/// A test for each block.
+macro_rules! tests {
+    ($($name:ident)*) => {
+        $(#[test]
+        fn $name() {
+            run(stringify!($name));
+        })*
+
+        #[test]
+        fn every_block_has_a_test() {
+            let pages = pages();
+            let names: Vec<&str> = blocks(&pages).into_iter().map(|block| block.0).collect();
+            assert_eq!(names, [$(stringify!($name)),*]);
+        }
+    };
+}
+
+tests! {
+    readme_texture readme_two_steps
+    in_one_go in_two_steps tiles methods lattices shapes_and_maps warps edits interpolations layers
+    layered_textures pixels pictures vectorized_photographs contents inspection masks configuration batches
+    manuals
+    metrics tuning
+    style_rules colours_of_categories numbers_of_categories
 }
 
 #[test]

@@ -19,5 +19,5 @@ mod page;
 mod raster;
 mod stages;
 mod stopping;
-mod support;
+pub(crate) mod support;
 mod tune;

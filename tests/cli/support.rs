@@ -1,6 +1,6 @@
 //! Running the program in a folder of its own, and small inputs for it.
 
-use image::{Rgb, RgbImage};
+use image::{GrayImage, Luma, Rgb, RgbImage};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
@@ -51,10 +51,17 @@ impl Folder {
         names
     }
 
-    /// The program, ready to run here with arguments split at blanks.
+    /// The program, ready to run here with arguments split at blanks, except within single quotes.
     pub(crate) fn command(&self, arguments: &str) -> Command {
         let mut command = vtex();
-        command.args(arguments.split_whitespace()).current_dir(self.0.path());
+        for (i, part) in arguments.split('\'').enumerate() {
+            if i % 2 == 1 {
+                command.arg(part);
+            } else {
+                command.args(part.split_whitespace());
+            }
+        }
+        command.current_dir(self.0.path());
         // Not the models of whoever runs the tests.
         command.env("VTEX_MODELS", self.0.path().join("models"));
         command
@@ -205,4 +212,30 @@ pub(crate) fn unpack(path: &Path) -> Vec<u8> {
     let file = std::fs::File::open(path).unwrap();
     std::io::Read::read_to_end(&mut flate2::read::GzDecoder::new(file), &mut bytes).unwrap();
     bytes
+}
+
+/// Writes shapes and maps that steer: `shape.svg`, `cage.svg`, `bent-cage.svg`, `fade.png`, `ring.png` and
+/// `flag.png`.
+pub(crate) fn steering(folder: &Path) {
+    let disc = r#"<svg xmlns="http://www.w3.org/2000/svg" width="90" height="90"><circle cx="45" cy="45" r="40"/></svg>"#;
+    std::fs::write(folder.join("shape.svg"), disc).unwrap();
+    let cage = |d: &str| {
+        format!(r#"<svg xmlns="http://www.w3.org/2000/svg" width="800" height="400"><path d="{d}"/></svg>"#)
+    };
+    std::fs::write(folder.join("cage.svg"), cage("M0 0H800V300H0z")).unwrap();
+    std::fs::write(
+        folder.join("bent-cage.svg"),
+        cage("M0 0C250 120 550 120 800 0V300C550 420 250 420 0 300z"),
+    )
+    .unwrap();
+    let fade = GrayImage::from_fn(256, 2, |x, _| Luma([x as u8]));
+    fade.save(folder.join("fade.png")).unwrap();
+    let ring = GrayImage::from_fn(90, 90, |x, y| {
+        let (x, y) = (f64::from(x) - 44.5, f64::from(y) - 44.5);
+        Luma([if (400.0..1600.0).contains(&(x * x + y * y)) { 255 } else { 0 }])
+    });
+    ring.save(folder.join("ring.png")).unwrap();
+    let colours = [[20, 30, 90], [200, 40, 30], [250, 240, 220]];
+    let flag = RgbImage::from_fn(30, 15, |x, _| Rgb(colours[x as usize / 10]));
+    flag.save(folder.join("flag.png")).unwrap();
 }
