@@ -3,7 +3,6 @@
 mod disjoint;
 mod felzenszwalb;
 mod flood;
-mod hashing;
 mod masks_file;
 mod perceptron;
 pub mod prompt;

@@ -1,6 +1,6 @@
 //! Search for masks similar to a given one.
 
-use super::hashing::ByNumber;
+use rustc_hash::FxHashMap;
 use vtex_base::raster::Mask;
 
 /// Box `(x0, y0, x1, y1)`, ends exclusive.
@@ -10,7 +10,7 @@ pub(super) type Bounds = (i32, i32, i32, i32);
 /// half lie in neighbouring squares.
 #[derive(Default)]
 pub(super) struct SimilarMasks {
-    squares: ByNumber<Vec<IndexedMask>>,
+    squares: FxHashMap<u64, Vec<IndexedMask>>,
 }
 
 /// A mask in the index.

@@ -3,7 +3,7 @@
 //! Sums are kept only for regions that still grow. A node is measured when it becomes part of another.
 
 use super::oversegmentation::GradientImage;
-use crate::segment::hashing::ByNumber;
+use rustc_hash::FxHashMap;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use vtex_base::error::Result;
@@ -142,7 +142,7 @@ pub(super) struct Tree {
 }
 
 /// Index of the border between two regions, by [`key`].
-type Index = ByNumber<u32>;
+type Index = FxHashMap<u64, u32>;
 
 /// The first regions, see [`Tree::new`], and the borders between them.
 fn graph(
