@@ -9,17 +9,16 @@
 //! * *overlap*, *repetition* and *correlation* as they are in the end, because that is what is seen.
 //!
 //! The score is homogeneous, so one weight stands for the scale of all and keeps its default. The
-//! others keep their signs, and are searched by their logarithms (`cmaes`).
+//! others keep their signs, and their logarithms are searched at random: in each round the best set so far
+//! and sets drawn around it are judged, and the best of them goes on with a smaller step.
 //!
-//! Every generation has canvases of its own, so that the search cannot learn the chances of a few.
-//! The answer is the middle of the last distribution, which suffers less from chance than the best
-//! set seen. It is judged on canvases that the search has not seen, and where it is no better than
-//! the weights to begin with, these are the answer.
+//! Every round has canvases of its own, so that the search cannot learn the chances of a few. The answer is
+//! judged on canvases that the search has not seen, and where it is no better than the weights to begin
+//! with, these are the answer.
 //!
 //! When this works badly: where all weights do about equally well. What they change most is how much
 //! is left for density to correct; arrangements as seen in the end hardly depend on them.
 
-mod cmaes;
 mod document;
 #[cfg(test)]
 mod tests;
@@ -44,8 +43,12 @@ use vtex_scene::statistics::{
 
 /// Name of the stage.
 const STAGE: &str = "tuning";
-/// First step of the search, in logarithms of weights.
-const STEP: f64 = 0.5;
+/// Sets of weights in a round of the search.
+const ROUND: u32 = 8;
+/// Standard deviation of the first step, in logarithms of weights.
+const STEP: f64 = 1.0;
+/// Factor of the step from round to round.
+const SHRINKING: f64 = 0.9;
 /// Canvases on which the answer is judged, for each of a set of weights in the search.
 const UNSEEN: u32 = 4;
 
@@ -189,23 +192,25 @@ pub fn tune(library: &Library, params: &TuneParams, progress: &dyn Progress) -> 
     let judge = Judge::new(&library, params);
     let begin = &params.synth.weights;
     let mut random = stream(params.synth.seed, "tune/search", 0);
-    let mut search = cmaes::CmaEs::new(coordinates(begin), STEP);
+    let (mut best, mut step) = (coordinates(begin), STEP);
     let mut canvases = stream(params.synth.seed, "tune/canvases", 0);
     let mut seeds = |count: u32| -> Vec<u64> { (0..count).map(|_| canvases.bits()).collect() };
     let total = u64::from(params.evaluations);
     let mut tried = 0;
     advance(progress, STAGE, 0, total)?;
     while tried < params.evaluations {
-        let points = search.ask(&mut random);
+        let mut points = vec![best];
+        points.extend((1..ROUND).map(|_| best.map(|v| v + step * random.normal())));
         let weights: Vec<Weights> = points.iter().map(|p| at(begin, *p)).collect();
         let watch = TuneProgress { progress, done: u64::from(tried), total };
         let terms = judge.terms(&weights, &seeds(params.seeds), &watch)?;
-        let values: Vec<f64> = terms.iter().map(Terms::objective).collect();
-        search.tell(&points, &values);
-        tried += points.len() as u32;
+        let least = terms.iter().zip(&points).min_by(|a, b| a.0.objective().total_cmp(&b.0.objective()));
+        best = least.map_or(best, |(_, point)| *point);
+        step *= SHRINKING;
+        tried += ROUND;
         advance(progress, STAGE, u64::from(tried).min(total), total)?;
     }
-    let found = at(begin, search.mean);
+    let found = at(begin, best);
     let watch = TuneProgress { progress, done: total, total };
     let judged = judge.terms(&[begin.clone(), found.clone()], &seeds(params.seeds * UNSEEN), &watch)?;
     let better = judged[1].objective() < judged[0].objective();
