@@ -93,7 +93,9 @@ fn folder() -> Folder {
 fn hash(folder: &Folder, command: &str) -> String {
     let named = command.split(" -o ").nth(1).and_then(|rest| rest.split_whitespace().next());
     let to = if named.is_none() { " -o -" } else { "" };
-    let run = folder.run(&format!("{command}{to}"));
+    // The number of threads must not matter.
+    let threads = if bless() { 1 } else { 3 };
+    let run = folder.run(&format!("{command}{to} --threads {threads}"));
     if run.code != Some(0) {
         return run.stderr.lines().next().unwrap_or_default().to_owned();
     }

@@ -57,20 +57,6 @@ fn a_photograph_becomes_a_map_of_any_size() {
 }
 
 #[test]
-fn bytes_depend_on_nothing_but_the_seed() {
-    let folder = surface(3);
-    for method in ["correspondence", "boundary"] {
-        let run = |name: &str, rest: &str| {
-            folder.run(&format!("layers painted.png -o {name} --layer-method {method} {rest}")).succeeds();
-            folder.read(name)
-        };
-        let one = run("a.png", "--seed 5 --threads 1");
-        assert!(one == run("b.png", "--seed 5 --threads 4"), "{method}");
-        assert!(one != run("c.png", "--seed 6"), "{method}");
-    }
-}
-
-#[test]
 fn layers_are_counted_ordered_and_painted() {
     let folder = surface(2);
     let names = |rest: &str| {

@@ -64,16 +64,6 @@ fn a_seed_that_was_chosen_is_told_and_stored() {
 }
 
 #[test]
-fn one_and_four_threads_write_the_same() {
-    let folder = Folder::new();
-    for threads in [1, 4] {
-        let name = format!("{threads}.svg");
-        folder.run(&format!("texture photo.png -o {name} --size 200 --seed 9 -t {threads} -q")).succeeds();
-    }
-    assert_eq!(folder.read("1.svg"), folder.read("4.svg"));
-}
-
-#[test]
 fn a_reader_that_goes_away_is_no_failure() {
     let folder = Folder::with_library();
     for arguments in

@@ -1,6 +1,6 @@
 //! Categories of primaries: k-means over colour, area and compactness.
 
-use super::kmeans;
+use vtex_base::kmeans;
 use vtex_base::raster::colour::Colour;
 use vtex_base::sampling::stream;
 use vtex_scene::library::{Categories, Category, CategoryId};
@@ -74,7 +74,8 @@ pub(super) fn cluster(
     }
     let points = scale(features);
     let weights = vec![1.0; points.len()];
-    let assigned = kmeans::cluster(&points, &weights, k, |start| stream(seed, "analyze/categories", start));
+    let assigned =
+        kmeans::cluster(&points, &weights, k, |start| stream(seed, "analyze/categories", start)).of;
     number(&assigned, features, image_area)
 }
 

@@ -12,7 +12,6 @@ mod edges;
 mod exemplar;
 mod grid;
 mod joining;
-mod kmeans;
 mod margin;
 mod moments;
 mod neighbours;
@@ -42,6 +41,7 @@ use vtex_base::document::Document as _;
 use vtex_base::error::Result;
 use vtex_base::parallel;
 use vtex_base::progress::{Progress, SideBySide, advance};
+use vtex_base::raster::blur::gaussian;
 use vtex_base::raster::picture::outlines;
 use vtex_base::raster::{LabelMap, Mask};
 use vtex_scene::library::{
@@ -49,7 +49,7 @@ use vtex_scene::library::{
 };
 use vtex_scene::scene::field::Interpolant;
 use vtex_scene::scene::{Field, Tile};
-use vtex_segment::segment::{Segmenter, details, gaussian};
+use vtex_segment::segment::{Segmenter, details};
 
 /// Analyses an exemplar: finds its elements with `segmenter`, and derives their shapes, colours, categories
 /// and arrangement and the background's palette. The same arguments give the same library on any number of

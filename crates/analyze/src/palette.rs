@@ -1,6 +1,6 @@
 //! Colour quantisation of flat fills.
 
-use super::kmeans;
+use vtex_base::kmeans;
 use vtex_base::raster::colour::Colour;
 use vtex_base::sampling::stream;
 
@@ -17,7 +17,7 @@ impl Palette {
         let points: Vec<[f64; 3]> = colours.iter().map(|(c, _)| oklab(*c)).collect();
         let weights: Vec<f64> = colours.iter().map(|&(_, area)| f64::from(area.max(1))).collect();
         let assigned =
-            kmeans::cluster(&points, &weights, count, |start| stream(seed, "analyze/palette", start));
+            kmeans::cluster(&points, &weights, count, |start| stream(seed, "analyze/palette", start)).of;
         let mut sums = vec![([0.0; 3], 0.0); assigned.iter().max().map_or(0, |m| m + 1)];
         for ((&cluster, (colour, _)), w) in assigned.iter().zip(colours).zip(&weights) {
             let own = colour.to_f64();

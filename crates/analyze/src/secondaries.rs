@@ -6,7 +6,7 @@ use super::neighbours::{edge_lengths, quantile};
 use image::RgbImage;
 use vtex_base::disjoint_sets::DisjointSets;
 use vtex_base::parallel;
-use vtex_base::raster::{LabelMap, Mask};
+use vtex_base::raster::{LabelMap, Mask, edge_neighbours};
 use vtex_scene::library::AnalyzeParams;
 use vtex_segment::segment::flood;
 
@@ -105,14 +105,7 @@ fn join_fragments(image: &RgbImage, regions: &mut LabelMap, minimum: u32) {
             if sums[own][3] >= minimum as f32 {
                 return false;
             }
-            let x = i % w;
-            let neighbours = [
-                (x > 0).then(|| i - 1),
-                (x + 1 < w).then_some(i + 1),
-                i.checked_sub(w),
-                (i + w < n).then_some(i + w),
-            ];
-            for j in neighbours.into_iter().flatten().filter(|&j| regions.labels[j] != 0) {
+            for j in edge_neighbours(i, [w, n / w]).filter(|&j| regions.labels[j] != 0) {
                 let other = joined.root(regions.labels[j] as usize);
                 if other != own {
                     let (a, b) = (sums[own], sums[other]);

@@ -29,6 +29,44 @@ pub trait Document: Serialize + DeserializeOwned {
     fn validate(&self) -> std::result::Result<(), String>;
 }
 
+/// Gives a document's type the names and functions that all documents have.
+#[macro_export]
+macro_rules! document {
+    ($document:ty, $format:literal, $version:literal) => {
+        impl $document {
+            /// Value of the field `format`.
+            pub const FORMAT: &'static str = $format;
+            /// Value of the field `version`.
+            pub const VERSION: u32 = $version;
+
+            /// Reads and validates a file, plain or gzip.
+            ///
+            /// # Errors
+            /// [`vtex_base::Error::Read`] for an unreadable file, else as `from_bytes`.
+            pub fn read(path: &std::path::Path) -> $crate::Result<Self> {
+                $crate::document::read(path)
+            }
+
+            /// Reads and validates bytes, plain or gzip; owned bytes are not copied. `name` appears in errors.
+            ///
+            /// # Errors
+            /// [`vtex_base::Error::Version`] for a version that is not known,
+            /// [`vtex_base::Error::Format`] for anything else that is not valid.
+            pub fn from_bytes<'a>(
+                bytes: impl Into<std::borrow::Cow<'a, [u8]>>,
+                name: &str,
+            ) -> $crate::Result<Self> {
+                $crate::document::from_bytes(bytes, name)
+            }
+
+            /// The document as JSON, ending in a newline.
+            pub fn to_json(&self) -> Vec<u8> {
+                $crate::document::to_json(self)
+            }
+        }
+    };
+}
+
 /// Reads and validates a document from a file.
 pub fn read<T: Document>(path: &Path) -> Result<T> {
     let bytes = std::fs::read(path).map_err(|e| Error::read(path, e))?;

@@ -7,6 +7,7 @@ pub mod error;
 pub mod fourier;
 pub mod geometry;
 pub mod gzip;
+pub mod kmeans;
 pub mod parallel;
 pub mod progress;
 pub mod raster;

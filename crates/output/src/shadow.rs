@@ -9,6 +9,7 @@ use std::collections::BTreeMap;
 use tiny_skia::{FillRule, Mask, Transform};
 use vtex_base::geometry::{Affine, FittedMap, Outline, PlanarMap, Point, Scale, Vec2};
 use vtex_base::parallel;
+use vtex_base::raster::blur::Plane;
 use vtex_scene::scene::{ElementId, Instance, Scene, Shadow};
 
 /// Most outlines of a shadow.
@@ -88,6 +89,7 @@ fn layers(outline: &Outline, blur: f64, opacity: f64) -> Vec<ShadowOutline> {
     };
     let level = |k: u32| (f64::from(k) - 0.5) / f64::from(count);
     let labels: Vec<u32> = strength
+        .0
         .values
         .iter()
         .map(|v| (libm::floor(f64::from(*v) * f64::from(count) + 0.5)) as u32)
@@ -122,11 +124,7 @@ fn layers(outline: &Outline, blur: f64, opacity: f64) -> Vec<ShadowOutline> {
 }
 
 /// The blurred shape on a raster: 0 outside, 1 well inside.
-struct Strength {
-    values: Vec<f32>,
-    width: usize,
-    height: usize,
-}
+struct Strength(Plane);
 
 impl Strength {
     fn new(
@@ -143,8 +141,7 @@ impl Strength {
         let transform = Transform::from_row(scale, 0.0, 0.0, scale, shift[0], shift[1]);
         mask.fill_path(&path, FillRule::Winding, true, transform);
         let values = mask.data().iter().map(|v| f32::from(*v) / 255.0).collect();
-        let across = blurred(&Self { values, width, height }, deviation);
-        Some(blurred(&across, deviation))
+        Some(Self(Plane { size: [width, height], values }.blurred(deviation as f32, [false; 2])))
     }
 
     /// Bilinear between the centres of pixels.
@@ -154,8 +151,9 @@ impl Strength {
             let low = (v as usize).min(count.saturating_sub(2));
             (low, (low + 1).min(count - 1), v - low as f64)
         };
-        let ((x0, x1, u), (y0, y1, v)) = (axis(p.x, self.width), axis(p.y, self.height));
-        let value = |x: usize, y: usize| f64::from(self.values[y * self.width + x]);
+        let [width, height] = self.0.size;
+        let ((x0, x1, u), (y0, y1, v)) = (axis(p.x, width), axis(p.y, height));
+        let value = |x: usize, y: usize| f64::from(self.0.at(x, y));
         let mix = |a: f64, b: f64, t: f64| a + (b - a) * t;
         mix(mix(value(x0, y0), value(x1, y0), u), mix(value(x0, y1), value(x1, y1), u), v)
     }
@@ -166,23 +164,6 @@ impl Strength {
         let slope = (after - before) / 2.0;
         if slope.abs() < 1e-3 { 0.0 } else { ((level - self.at(p)) / slope).clamp(-0.8, 0.8) }
     }
-}
-
-/// Blurred along x and transposed, so that a second call blurs along y and restores the order.
-fn blurred(s: &Strength, deviation: f64) -> Strength {
-    let reach = libm::ceil(3.0 * deviation) as usize;
-    let weight = |k: usize| libm::exp(-0.5 * (k as f64 / deviation) * (k as f64 / deviation)) as f32;
-    let weights: Vec<f32> = (0..=reach).map(weight).collect();
-    let sum: f32 = weights[0] + 2.0 * weights[1..].iter().sum::<f32>();
-    let mut values = vec![0.0; s.values.len()];
-    for (y, row) in s.values.chunks_exact(s.width).enumerate() {
-        for x in 0..s.width {
-            let at = |i: Option<usize>| i.and_then(|i| row.get(i)).copied().unwrap_or(0.0);
-            let pairs = (1..=reach).map(|k| weights[k] * (at(x.checked_sub(k)) + at(Some(x + k))));
-            values[x * s.height + y] = (weights[0] * row[x] + pairs.sum::<f32>()) / sum;
-        }
-    }
-    Strength { values, width: s.height, height: s.width }
 }
 
 #[cfg(test)]

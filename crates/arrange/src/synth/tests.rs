@@ -176,18 +176,6 @@ fn equal_textons_keep_apart() {
 }
 
 #[test]
-fn same_bytes_on_every_run_and_any_number_of_threads() {
-    let library = library(&mosaic(150, 14.0, 0.7, 10));
-    let run = |threads: usize, seed: u64| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| synthesize(&library, &params(300, 200, seed), &()).unwrap().to_json())
-    };
-    let first = run(1, 3);
-    assert!(first == run(1, 3) && first == run(4, 3));
-    assert!(first != run(1, 4));
-}
-
-#[test]
 fn a_library_without_primaries_gives_a_background() {
     let library = library(&LabelMap::filled(100, 80, 0));
     assert_eq!(library.validate(), Ok(()));

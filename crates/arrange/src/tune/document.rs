@@ -4,10 +4,8 @@ use super::Terms;
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use std::borrow::Cow;
-use std::path::Path;
-use vtex_base::document::{self, Document};
-use vtex_base::error::Result;
+use vtex_base::document;
+use vtex_base::document::Document;
 use vtex_scene::scene::{LibraryRef, SynthParams, Weights};
 
 /// The result of tuning for one library: the weights of the placement score, and the measured quality of
@@ -40,39 +38,13 @@ pub struct TunedWeights {
     pub evaluations: u32,
 }
 
-impl TunedWeights {
-    /// The name in [`TunedWeights::format`].
-    pub const FORMAT: &'static str = "vtex-weights";
-    /// The version in [`TunedWeights::version`].
-    pub const VERSION: u32 = 1;
-
-    /// Reads and validates weights.
-    ///
-    /// # Errors
-    /// Unreadable file, not JSON, another format or version, or weights out of range.
-    pub fn read(path: &Path) -> Result<Self> {
-        document::read(path)
-    }
-
-    /// Reads and validates weights from bytes; `name` appears in errors.
-    ///
-    /// # Errors
-    /// As [`TunedWeights::read`], without the file.
-    pub fn from_bytes<'a>(bytes: impl Into<Cow<'a, [u8]>>, name: &str) -> Result<Self> {
-        document::from_bytes(bytes, name)
-    }
-
-    /// The weights as JSON, ending in a newline.
-    pub fn to_json(&self) -> Vec<u8> {
-        document::to_json(self)
-    }
-}
+document!(TunedWeights, "vtex-weights", 1);
 
 impl Document for TunedWeights {
     const FORMAT: &'static str = Self::FORMAT;
     const VERSION: u32 = Self::VERSION;
 
-    fn validate(&self) -> std::result::Result<(), String> {
+    fn validate(&self) -> Result<(), String> {
         let params = SynthParams { weights: self.weights.clone(), ..SynthParams::default() };
         params.validate().map_err(|e| e.to_string())
     }

@@ -6,7 +6,7 @@ use std::borrow::Cow;
 use std::collections::{BTreeMap, VecDeque};
 use vtex_base::error::{Error, Result};
 use vtex_base::geometry::{Affine, Outline, PathEl, Point, STEP, Vec2};
-use vtex_base::raster::ControlMap;
+use vtex_base::raster::{ControlMap, edge_neighbours};
 use vtex_scene::library::{self, Library};
 use vtex_scene::reconstruct::translated;
 use vtex_scene::scene::{Element, ElementId, Instance, Role, Scene, pixels};
@@ -162,14 +162,7 @@ pub(super) fn parts(scene: &Scene, bend: &Bend, libraries: usize) -> Vec<Control
         }
     }
     while let Some(cell) = queue.pop_front() {
-        let (x, y) = (cell % width, cell / width);
-        let beside = [
-            (x > 0).then(|| cell - 1),
-            (x + 1 < width).then_some(cell + 1),
-            (y > 0).then(|| cell - width),
-            (y + 1 < height).then_some(cell + width),
-        ];
-        for next in beside.into_iter().flatten() {
+        for next in edge_neighbours(cell, [width, height]) {
             if part[next].is_none() {
                 part[next] = part[cell];
                 queue.push_back(next);

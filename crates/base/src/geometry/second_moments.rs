@@ -1,11 +1,7 @@
 //! Area, centroid, orientation and elongation of a shape from its moments up to the second.
 
-use super::Outline;
-use super::polygon::edges;
+use super::{Moments, Outline};
 use kurbo::{Affine, Point};
-
-/// Largest distance between the curve and the polygon that replaces it, in pixels.
-const TOLERANCE: f64 = 0.05;
 
 /// Moments of an outline's interior, without its holes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -19,32 +15,9 @@ pub struct SecondMoments {
 }
 
 impl SecondMoments {
-    /// Moments of an outline; all zero if its area is.
+    /// Moments of an outline; all zero but the centroid, the middle of its bounds, if its area is.
     pub fn new(outline: &Outline) -> Self {
-        // Green's theorem: sums over polygon edges, relative to a nearby origin.
-        let origin = outline.bounds().center();
-        let mut sums = [0.0; 6];
-        for edge in edges(outline.path().iter(), TOLERANCE) {
-            let [[x0, y0], [x1, y1]] = edge.map(|p| [p.x - origin.x, p.y - origin.y]);
-            let cross = x0 * y1 - x1 * y0;
-            let parts = [
-                1.0,
-                x0 + x1,
-                y0 + y1,
-                x0 * x0 + x0 * x1 + x1 * x1,
-                x0 * y1 + 2.0 * (x0 * y0 + x1 * y1) + x1 * y0,
-                y0 * y0 + y0 * y1 + y1 * y1,
-            ];
-            sums.iter_mut().zip(parts).for_each(|(sum, part)| *sum += cross * part);
-        }
-        let [doubled, x, y, xx, xy, yy] = sums;
-        if doubled.abs() < 1e-9 {
-            return Self { centroid: origin, ..Self::default() };
-        }
-        let (cx, cy) = (x / doubled / 3.0, y / doubled / 3.0);
-        let covariance =
-            [xx / doubled / 6.0 - cx * cx, xy / doubled / 12.0 - cx * cy, yy / doubled / 6.0 - cy * cy];
-        Self { area: doubled.abs() / 2.0, centroid: Point::new(origin.x + cx, origin.y + cy), covariance }
+        Moments::new(outline).second
     }
 
     /// Moments of the transformed shape.

@@ -3,6 +3,7 @@
 use super::colour::{Colour, linear};
 use crate::parallel;
 use image::RgbImage;
+use std::ops::Range;
 
 /// A plane of values, row by row.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,42 +23,77 @@ impl Plane {
     /// The plane under a Gaussian of deviation `sigma` pixels, mirrored at its borders or continued where
     /// it repeats.
     pub fn blurred(&self, sigma: f32, wrap: [bool; 2]) -> Self {
-        if sigma < 0.2 {
-            return self.clone();
-        }
-        let reach = libm::ceilf(3.0 * sigma) as i64;
-        let weights: Vec<f32> =
-            (-reach..=reach).map(|d| libm::expf(-((d * d) as f32) / (2.0 * sigma * sigma))).collect();
-        let sum: f32 = weights.iter().sum();
-        let weights: Vec<f32> = weights.iter().map(|w| w / sum).collect();
-        let [w, h] = self.size;
-        let inside = |v: i64, size: usize, wrap: bool| {
-            let size = size as i64;
-            if wrap {
-                return v.rem_euclid(size) as usize;
-            }
-            let v = v.rem_euclid(2 * size);
-            if v < size { v as usize } else { (2 * size - 1 - v) as usize }
-        };
-        let columns: Vec<usize> = (-reach..w as i64 + reach).map(|x| inside(x, w, wrap[0])).collect();
-        let mut across = vec![0f32; w * h];
-        parallel::for_chunks(&mut across, w, |y, out| {
-            let row = &self.values[y * w..][..w];
-            let long: Vec<f32> = columns.iter().map(|&x| row[x]).collect();
-            for (x, out) in out.iter_mut().enumerate() {
-                *out = long[x..].iter().zip(&weights).map(|(v, w)| v * w).sum();
-            }
-        });
-        let mut values = vec![0f32; w * h];
-        parallel::for_chunks(&mut values, w, |y, out| {
-            for (k, weight) in weights.iter().enumerate() {
-                let from = inside(y as i64 + k as i64 - reach, h, wrap[1]);
-                let row = &across[from * w..][..w];
-                out.iter_mut().zip(row).for_each(|(out, v)| *out += weight * v);
-            }
-        });
-        Self { size: self.size, values }
+        let at = |x: usize, y: usize| [self.at(x, y)];
+        let part = self.size.map(|length| 0..length);
+        let values = convolve(at, self.size, &part, &gaussian(f64::from(sigma)), wrap);
+        Self { size: self.size, values: values.into_flattened() }
     }
+}
+
+/// Half-open ranges of columns and rows.
+pub type Part = [Range<usize>; 2];
+
+/// One half of a normalised Gaussian kernel, centre first, truncated at four standard deviations. `sigma` in
+/// pixels; 0 gives a kernel that changes nothing.
+pub fn gaussian(sigma: f64) -> Vec<f32> {
+    let radius = libm::round(4.0 * sigma.max(0.0)) as usize;
+    let weight = |i: usize| if i == 0 { 1.0 } else { libm::exp(-0.5 * (i * i) as f64 / (sigma * sigma)) };
+    let total: f64 = (0..=radius).map(|i| weight(i) * if i == 0 { 1.0 } else { 2.0 }).sum();
+    (0..=radius).map(|i| (weight(i) / total) as f32).collect()
+}
+
+/// Separable convolution of part of an image, of the colours `at(x, y)`, with half a symmetric kernel. Borders of
+/// the image are mirrored at the pixel edges, or the image repeats along the axes of `wrap`.
+pub fn convolve<const N: usize>(
+    at: impl Fn(usize, usize) -> [f32; N] + Sync,
+    [width, height]: [usize; 2],
+    [columns, rows]: &Part,
+    half: &[f32],
+    wrap: [bool; 2],
+) -> Vec<[f32; N]> {
+    if columns.is_empty() || rows.is_empty() {
+        return Vec::new();
+    }
+    let radius = half.len() - 1;
+    // The column or row that is `i` steps after the one `radius` before the first.
+    let source = |first: usize, i: usize, n: usize, wrap: bool| -> usize {
+        let period = if wrap { n } else { 2 * n } as isize;
+        let i = (first as isize + i as isize - radius as isize).rem_euclid(period);
+        (if i < n as isize { i } else { period - 1 - i }) as usize
+    };
+    let wide = columns.len();
+    let mut across = vec![[0.0; N]; wide * (rows.len() + 2 * radius)];
+    parallel::for_chunks(&mut across, wide, |j, row| {
+        let y = source(rows.start, j, height, wrap[1]);
+        let padded: Vec<[f32; N]> =
+            (0..wide + 2 * radius).map(|i| at(source(columns.start, i, width, wrap[0]), y)).collect();
+        for (x, value) in row.iter_mut().enumerate() {
+            let centre = x + radius;
+            *value = padded[centre].map(|v| v * half[0]);
+            for (k, w) in half.iter().enumerate().skip(1) {
+                let (a, b) = (padded[centre - k], padded[centre + k]);
+                for c in 0..N {
+                    value[c] += w * (a[c] + b[c]);
+                }
+            }
+        }
+    });
+    let mut out = vec![[0.0; N]; wide * rows.len()];
+    parallel::for_chunks(&mut out, wide, |y, row| {
+        let line = |j: usize| &across[j * wide..][..wide];
+        for (value, p) in row.iter_mut().zip(line(y + radius)) {
+            *value = p.map(|v| v * half[0]);
+        }
+        for (k, w) in half.iter().enumerate().skip(1) {
+            let (above, below) = (line(y + radius - k), line(y + radius + k));
+            for ((value, a), b) in row.iter_mut().zip(above).zip(below) {
+                for c in 0..N {
+                    value[c] += w * (a[c] + b[c]);
+                }
+            }
+        }
+    });
+    out
 }
 
 /// Oklab of a picture, one plane for each component, in blocks of `factor` pixels whose linear light

@@ -413,17 +413,6 @@ fn other_sizes_and_empty_scenes() {
 }
 
 #[test]
-fn the_number_of_threads_changes_nothing() {
-    let (a, b) = (scene(19, 20, false), scene(20, 30, false));
-    let on = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| between(&a, &b, 0.4).to_json())
-    };
-    let one = on(1);
-    assert!(one == on(3) && one == on(1));
-}
-
-#[test]
 fn an_interpolation_owns_its_scenes() {
     let made = || Interpolation::new(scene(3, 12, false), scene(4, 12, false), &()).unwrap();
     let (here, there) = (made(), made());

@@ -6,17 +6,18 @@
 //! least.
 
 use super::clean::{enlarged, smoothed, without_specks};
-use super::cluster::{centres, nearest};
 use super::extent::{ColourContrast, extent, thickness};
 use super::map::{Contacts, LayerMap, MOST_LAYERS, shares};
 use super::names::named;
 use super::order::order;
 use image::RgbImage;
 use vtex_base::error::{Error, Result, check};
+use vtex_base::kmeans::{cluster, nearest};
 use vtex_base::progress::{Progress, advance};
 use vtex_base::raster::LabelMap;
 use vtex_base::raster::blur::{Plane, oklab_planes};
-use vtex_base::raster::colour::Colour;
+use vtex_base::raster::colour::{Colour, squared_distance};
+use vtex_base::sampling::stream;
 
 /// Longest shorter side, in pixels, of the picture in which layers are sought.
 const WORKING_SIDE: usize = 512;
@@ -24,6 +25,8 @@ const WORKING_SIDE: usize = 512;
 const LIGHTNESS: f32 = 0.5;
 /// Standard deviations of the blurs before and after clustering, as shares of the shorter side.
 const BLURS: [f32; 2] = [1.0 / 256.0, 1.0 / 128.0];
+/// Largest number of pixels that clusters are fitted to.
+const SAMPLES: usize = 20_000;
 /// Smallest piece of a layer, as a share of the squared shorter side.
 const SPECK: f64 = 4e-4;
 /// Shortest side of a photograph with known elements in which layers are sought, in pixels.
@@ -217,7 +220,7 @@ fn means(map: &LabelMap, count: usize, planes: &[Plane; 3]) -> Vec<[f32; 3]> {
 /// The points to cluster.
 struct Clustering<'a> {
     size: [usize; 2],
-    points: Vec<[f32; 3]>,
+    points: Vec<[f64; 3]>,
     planes: &'a [Plane; 3],
     seed: u64,
 }
@@ -227,8 +230,9 @@ impl<'a> Clustering<'a> {
         let size = planes[0].size;
         let sigma = size[0].min(size[1]) as f32 * BLURS[0];
         let [l, a, b] = planes.each_ref().map(|plane| plane.blurred(sigma, [false; 2]));
-        let points =
-            (0..l.values.len()).map(|i| [LIGHTNESS * l.values[i], a.values[i], b.values[i]]).collect();
+        let points = (0..l.values.len())
+            .map(|i| [LIGHTNESS * l.values[i], a.values[i], b.values[i]].map(f64::from))
+            .collect();
         Self { size, points, planes, seed }
     }
 
@@ -241,21 +245,26 @@ impl<'a> Clustering<'a> {
     fn difference(&self, map: &LabelMap, count: usize) -> f32 {
         let colours = means(map, count, self.planes);
         let pairs = (0..count).flat_map(|a| (a + 1..count).map(move |b| (a, b)));
-        let differences = pairs.map(|(a, b)| {
-            let squares: f32 =
-                (0..3).map(|c| (colours[a][c] - colours[b][c]) * (colours[a][c] - colours[b][c])).sum();
-            libm::sqrtf(squares)
-        });
+        let differences = pairs.map(|(a, b)| libm::sqrtf(squared_distance(colours[a], colours[b])));
         differences.fold(f32::INFINITY, f32::min)
     }
 
     /// `count` layers with smooth borders; `None` if the colours do not allow them.
     fn split(&self, count: usize) -> Option<LabelMap> {
-        let centres = centres(&self.points, count, self.seed);
+        // The samples are the same for all seeds. Only the starts differ.
+        let samples = self.points.len().min(SAMPLES);
+        let mut place = stream(0, "layers/samples", 0);
+        let sample = |k: usize| {
+            let [from, to] = [k, k + 1].map(|k| k * self.points.len() / samples);
+            self.points[from + place.index(to - from)]
+        };
+        let samples: Vec<[f64; 3]> = (0..samples).map(sample).collect();
+        let random = |start| stream(self.seed, "layers/clusters", start);
+        let centres = cluster(&samples, &vec![1.0; samples.len()], count, random).centres;
         if centres.len() < count {
             return None;
         }
-        let labels = self.points.iter().map(|p| nearest(&centres, p).0 as u32).collect();
+        let labels = self.points.iter().map(|p| nearest(&centres, p) as u32).collect();
         let mut map = LabelMap { width: self.size[0] as u32, height: self.size[1] as u32, labels };
         let shorter = self.size[0].min(self.size[1]);
         for _ in 0..2 {

@@ -13,7 +13,6 @@
 mod boundary;
 mod carried;
 mod clean;
-mod cluster;
 mod continuous;
 mod extent;
 mod find;

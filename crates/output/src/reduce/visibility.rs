@@ -7,7 +7,7 @@
 //! two thirds of one of stones.
 
 use vtex_base::geometry::{Outline, PathText, Rect, write_path};
-use vtex_base::raster::colour::{Colour, oklab};
+use vtex_base::raster::colour::{Colour, squared_distance};
 use vtex_scene::scene::field::Interpolant;
 use vtex_scene::scene::{Element, Scene, Shape};
 
@@ -131,8 +131,7 @@ fn bytes(outline: &Outline) -> f64 {
 
 /// Oklab distance: 1 from black to white.
 fn distance(a: Colour, b: Colour) -> f64 {
-    let (a, b) = (oklab(a.0), oklab(b.0));
-    libm::sqrt((0..3).map(|c| f64::from(a[c] - b[c])).map(|d| d * d).sum())
+    libm::sqrt(f64::from(squared_distance(a.to_oklab(), b.to_oklab())))
 }
 
 #[cfg(test)]

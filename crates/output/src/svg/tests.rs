@@ -274,20 +274,6 @@ fn more_digits_more_bytes_and_nothing_lost_at_two() {
 }
 
 #[test]
-fn same_bytes_on_every_run_and_any_number_of_threads() {
-    let scene = testing::scene(300, 200, 7);
-    let first = text(&scene, &SvgOptions::default());
-    assert_eq!(first, text(&scene, &SvgOptions::default()));
-    for threads in [1, 3] {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let (svg, picture) =
-            pool.install(|| (text(&scene, &SvgOptions::default()), crate::png::render(&scene, 3.0).unwrap()));
-        assert_eq!(first, svg);
-        assert_eq!(picture, crate::png::render(&scene, 3.0).unwrap());
-    }
-}
-
-#[test]
 fn failing_writers_are_reported() {
     struct Full;
     impl Write for Full {

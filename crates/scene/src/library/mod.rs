@@ -28,11 +28,9 @@ use crate::scene::{Field, LibraryRef};
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use std::borrow::Cow;
 use std::ops::Range;
-use std::path::Path;
-use vtex_base::document::{self, Document};
-use vtex_base::error::Result;
+use vtex_base::document;
+use vtex_base::document::Document;
 use vtex_base::geometry::Outline;
 use vtex_base::raster::colour::Colour;
 use vtex_base::raster::colour_names;
@@ -255,11 +253,6 @@ impl Library {
         }
     }
 
-    /// Value of [`Library::format`].
-    pub const FORMAT: &'static str = "vtex-library";
-    /// Value of [`Library::version`].
-    pub const VERSION: u32 = 2;
-
     /// The primaries: large distinct elements, each with a category. Their order is that of the labels
     /// of the arrangement.
     pub fn primaries(&self) -> &[ExemplarElement] {
@@ -299,30 +292,9 @@ impl Library {
             ExemplarLayer { instances: of(0..primaries), ..ExemplarLayer::new(Role::Primary) },
         ]
     }
-
-    /// Reads and validates a library. Gzip is detected by content.
-    ///
-    /// # Errors
-    /// [`vtex_base::Error::Read`] for an unreadable file; [`vtex_base::Error::Format`] for anything but a valid
-    /// library of version 1 or 2.
-    pub fn read(path: &Path) -> Result<Self> {
-        document::read(path)
-    }
-
-    /// Reads and validates a library from bytes, plain or gzip; owned bytes are not copied. `name` appears in
-    /// errors.
-    ///
-    /// # Errors
-    /// [`vtex_base::Error::Format`] for anything but a valid library of this version.
-    pub fn from_bytes<'a>(bytes: impl Into<Cow<'a, [u8]>>, name: &str) -> Result<Self> {
-        document::from_bytes(bytes, name)
-    }
-
-    /// Serialises the library as JSON, ending in a newline.
-    pub fn to_json(&self) -> Vec<u8> {
-        document::to_json(self)
-    }
 }
+
+document!(Library, "vtex-library", 2);
 
 impl Document for Library {
     const FORMAT: &'static str = Self::FORMAT;
@@ -335,7 +307,7 @@ impl Document for Library {
         })
     }
 
-    fn validate(&self) -> std::result::Result<(), String> {
+    fn validate(&self) -> Result<(), String> {
         validate::validate(self)
     }
 }

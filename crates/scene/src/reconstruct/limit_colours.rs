@@ -2,7 +2,7 @@
 
 use crate::scene::Scene;
 use std::collections::BTreeMap;
-use vtex_base::raster::colour::Colour;
+use vtex_base::raster::colour::{Colour, squared_distance};
 
 /// Largest number of colours that are clustered: those with the largest areas. All others are first merged
 /// with the nearest of these.
@@ -27,8 +27,7 @@ impl PaletteEntry {
 
 /// Squared distance in Oklab.
 fn distance(a: Colour, b: Colour) -> f64 {
-    let (a, b) = (a.to_oklab(), b.to_oklab());
-    (0..3).map(|k| f64::from(a[k] - b[k]) * f64::from(a[k] - b[k])).sum()
+    f64::from(squared_distance(a.to_oklab(), b.to_oklab()))
 }
 
 /// Reduces a scene to at most `most` flat colours. Each field becomes one colour, and gradients are

@@ -37,9 +37,8 @@ use crate::element;
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use std::borrow::Cow;
-use std::path::Path;
-use vtex_base::document::{self, Document};
+use vtex_base::document;
+use vtex_base::document::Document;
 use vtex_base::error::Result;
 use vtex_base::geometry::{Affine, Outline, Rect};
 use vtex_base::raster::colour::Colour;
@@ -329,34 +328,6 @@ pub struct ControlPoint {
 }
 
 impl Scene {
-    /// Value of [`Scene::format`].
-    pub const FORMAT: &'static str = "vtex-scene";
-    /// Value of [`Scene::version`].
-    pub const VERSION: u32 = 2;
-
-    /// Reads and validates a scene. Gzip is detected by content.
-    ///
-    /// # Errors
-    /// [`vtex_base::Error::Read`] for an unreadable file; [`vtex_base::Error::Format`] for anything but a valid
-    /// scene of version 1 or 2.
-    pub fn read(path: &Path) -> Result<Self> {
-        document::read(path)
-    }
-
-    /// Reads and validates a scene from bytes, plain or gzip; owned bytes are not copied. `name` appears in
-    /// errors.
-    ///
-    /// # Errors
-    /// [`vtex_base::Error::Format`] for anything but a valid scene of this version.
-    pub fn from_bytes<'a>(bytes: impl Into<Cow<'a, [u8]>>, name: &str) -> Result<Self> {
-        document::from_bytes(bytes, name)
-    }
-
-    /// Serialises the scene as JSON, ending in a newline.
-    pub fn to_json(&self) -> Vec<u8> {
-        document::to_json(self)
-    }
-
     /// A scene of the given size in pixels, without elements, parameters, domain and edits. It does not
     /// tile.
     pub fn new([width, height]: [u32; 2], libraries: Vec<LibraryRef>, layers: Vec<Layer>) -> Self {
@@ -491,6 +462,8 @@ impl Scene {
         self.instances_mut().for_each(|i| i.element = numbers[i.element.index()]);
     }
 }
+
+document!(Scene, "vtex-scene", 2);
 
 impl Document for Scene {
     const FORMAT: &'static str = Self::FORMAT;

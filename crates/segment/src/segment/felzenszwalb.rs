@@ -12,12 +12,9 @@ use image::RgbImage;
 use std::ops::Range;
 use vtex_base::disjoint_sets::DisjointSets;
 use vtex_base::error::{Result, check};
-use vtex_base::parallel::for_chunks;
 use vtex_base::progress::{Progress, advance};
+use vtex_base::raster::blur::{Part, convolve, gaussian};
 use vtex_base::raster::{LabelMap, Mask, Span};
-
-/// Half-open ranges of columns and rows.
-type Part = [Range<usize>; 2];
 
 /// A part of an image smoothed by a Gaussian.
 #[derive(Clone, Debug)]
@@ -32,7 +29,7 @@ impl Smoothed {
     fn new(image: &RgbImage, part: Part, half: &[f32]) -> Self {
         let colour = |x: usize, y: usize| image.get_pixel(x as u32, y as u32).0.map(f32::from);
         let size = [image.width() as usize, image.height() as usize];
-        Self { pixels: convolve(colour, size, &part, half), part }
+        Self { pixels: convolve(colour, size, &part, half, [false; 2]), part }
     }
 
     /// Smooths a whole image.
@@ -46,68 +43,6 @@ impl Smoothed {
         let start = (s.y as usize - rows.start) * columns.len() + s.x0 as usize - columns.start;
         &self.pixels[start..start + s.len() as usize]
     }
-}
-
-/// One half of a normalised Gaussian kernel, centre first, truncated at four standard deviations. `sigma` in
-/// pixels; 0 gives a kernel that changes nothing.
-pub fn gaussian(sigma: f64) -> Vec<f32> {
-    let radius = libm::round(4.0 * sigma.max(0.0)) as usize;
-    let weight = |i: usize| if i == 0 { 1.0 } else { libm::exp(-0.5 * (i * i) as f64 / (sigma * sigma)) };
-    let total: f64 = (0..=radius).map(|i| weight(i) * if i == 0 { 1.0 } else { 2.0 }).sum();
-    (0..=radius).map(|i| (weight(i) / total) as f32).collect()
-}
-
-/// Separable convolution of part of an image, of the colours `at(x, y)`, with half a symmetric kernel. Borders of
-/// the image are mirrored at the pixel edges.
-pub(super) fn convolve<const N: usize>(
-    at: impl Fn(usize, usize) -> [f32; N] + Sync,
-    [width, height]: [usize; 2],
-    [columns, rows]: &Part,
-    half: &[f32],
-) -> Vec<[f32; N]> {
-    if columns.is_empty() || rows.is_empty() {
-        return Vec::new();
-    }
-    let radius = half.len() - 1;
-    // The column or row that is `i` steps after the one `radius` before the first.
-    let reflect = |first: usize, i: usize, n: usize| -> usize {
-        let period = 2 * n as isize;
-        let i = (first as isize + i as isize - radius as isize).rem_euclid(period);
-        (if i < n as isize { i } else { period - 1 - i }) as usize
-    };
-    let wide = columns.len();
-    let mut across = vec![[0.0; N]; wide * (rows.len() + 2 * radius)];
-    for_chunks(&mut across, wide, |j, row| {
-        let y = reflect(rows.start, j, height);
-        let padded: Vec<[f32; N]> =
-            (0..wide + 2 * radius).map(|i| at(reflect(columns.start, i, width), y)).collect();
-        for (x, value) in row.iter_mut().enumerate() {
-            let centre = x + radius;
-            *value = padded[centre].map(|v| v * half[0]);
-            for (k, w) in half.iter().enumerate().skip(1) {
-                let (a, b) = (padded[centre - k], padded[centre + k]);
-                for c in 0..N {
-                    value[c] += w * (a[c] + b[c]);
-                }
-            }
-        }
-    });
-    let mut out = vec![[0.0; N]; wide * rows.len()];
-    for_chunks(&mut out, wide, |y, row| {
-        let line = |j: usize| &across[j * wide..][..wide];
-        for (value, p) in row.iter_mut().zip(line(y + radius)) {
-            *value = p.map(|v| v * half[0]);
-        }
-        for (k, w) in half.iter().enumerate().skip(1) {
-            let (above, below) = (line(y + radius - k), line(y + radius + k));
-            for ((value, a), b) in row.iter_mut().zip(above).zip(below) {
-                for c in 0..N {
-                    value[c] += w * (a[c] + b[c]);
-                }
-            }
-        }
-    });
-    out
 }
 
 /// Segments a whole image. Regions are numbered from 1 in the order of their first pixel. `scale` (at

@@ -1,7 +1,7 @@
 //! Flood fill of the uncovered pixels into regions of uniform colour.
 
 use image::RgbImage;
-use vtex_base::raster::LabelMap;
+use vtex_base::raster::{LabelMap, edge_neighbours};
 
 /// 4-connected regions of the pixels for which `inside(index)` is false (indices row by row). A region
 /// grows from its seed, its first pixel in reading order, over free pixels whose colour differs from
@@ -33,14 +33,7 @@ pub fn flood(image: &RgbImage, inside: &dyn Fn(usize) -> bool, tolerance: f64) -
         map.labels[start] = label;
         stack.push(start);
         while let Some(i) = stack.pop() {
-            let x = i % w;
-            let neighbours = [
-                (x > 0).then(|| i - 1),
-                (x + 1 < w).then_some(i + 1),
-                i.checked_sub(w),
-                (i + w < count).then_some(i + w),
-            ];
-            for j in neighbours.into_iter().flatten() {
+            for j in edge_neighbours(i, [w, count / w]) {
                 if !covered[j] && map.labels[j] == 0 && within(colour(j), seed) {
                     map.labels[j] = label;
                     stack.push(j);

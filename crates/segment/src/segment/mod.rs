@@ -13,7 +13,7 @@ pub mod texton;
 mod tiles;
 
 pub use felzenszwalb::Felzenszwalb;
-pub use felzenszwalb::{details, gaussian};
+pub use felzenszwalb::details;
 pub use flood::flood;
 pub use masks_file::{MasksFile, masks_to_bytes};
 pub use perceptron::Perceptron;

@@ -9,7 +9,7 @@
 use super::instances::{PixelInstance, PrimaryPixels};
 use crate::arrange::model::PlacementModel;
 use vtex_base::geometry::{Affine, FittedMap, Interior, Outline, PlanarMap, Point, Scale};
-use vtex_base::raster::colour::Colour;
+use vtex_base::raster::colour::{Colour, squared_distance};
 use vtex_base::raster::{LabelMap, Mask, Span};
 use vtex_scene::element::Gradient;
 use vtex_scene::library::{self, Library};
@@ -226,7 +226,7 @@ impl<'a> PlacedPart<'a> {
 /// Distance of the colours of two shapes, in Oklab.
 fn apart(a: &Shape, b: &Shape) -> f32 {
     let [a, b] = [a, b].map(|shape| shape.colour.to_oklab());
-    libm::sqrtf((0..3).map(|c| (a[c] - b[c]) * (a[c] - b[c])).sum::<f32>())
+    libm::sqrtf(squared_distance(a, b))
 }
 
 /// Labels cells of the whole.

@@ -12,6 +12,7 @@ use crate::arrange::model::{PlaceableId, PlacementModel, VariantId};
 use std::collections::BTreeMap;
 use vtex_base::disjoint_sets::DisjointSets;
 use vtex_base::parallel;
+use vtex_base::raster::colour::squared_distance;
 use vtex_base::raster::{Mask, Span};
 use vtex_scene::library::Library;
 
@@ -111,7 +112,7 @@ impl Kinds {
     /// Distance of the colours of two elements.
     fn apart(&self, a: PlaceableId, b: PlaceableId) -> f32 {
         let [a, b] = [a, b].map(|e| self.colours[e.0 as usize]);
-        libm::sqrtf((0..3).map(|c| (a[c] - b[c]) * (a[c] - b[c])).sum::<f32>())
+        libm::sqrtf(squared_distance(a, b))
     }
 }
 

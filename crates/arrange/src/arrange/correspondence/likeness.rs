@@ -7,7 +7,7 @@
 use crate::arrange::model::{PlaceableId, PlacementModel};
 use vtex_base::parallel;
 use vtex_base::raster::LabelMap;
-use vtex_base::raster::colour::oklab;
+use vtex_base::raster::colour::{oklab, squared_distance};
 use vtex_scene::library::{Guide, Library};
 
 /// Points along a side of a look.
@@ -58,7 +58,7 @@ impl ElementLook {
         let (mut sum, mut count) = (0f32, 0);
         for (a, b) in self.points.iter().zip(&other.points) {
             sum += match (a, b) {
-                (Some(a), Some(b)) => (0..3).map(|c| (a[c] - b[c]) * (a[c] - b[c])).sum::<f32>().min(MISSING),
+                (Some(a), Some(b)) => squared_distance(*a, *b).min(MISSING),
                 (None, None) => continue,
                 _ => MISSING,
             };

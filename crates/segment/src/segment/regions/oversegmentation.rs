@@ -1,8 +1,8 @@
 //! An image in Oklab, its gradient, and the gradient's basins.
 
-use crate::segment::felzenszwalb::{convolve, gaussian};
 use image::RgbImage;
 use vtex_base::disjoint_sets::DisjointSets;
+use vtex_base::raster::blur::{convolve, gaussian};
 use vtex_base::raster::colour::{of_pixels, oklab};
 
 /// A smoothed image and its gradient.
@@ -44,7 +44,7 @@ impl GradientImage {
     pub(super) fn new(image: &ScaledOklabImage, sigma: f64) -> Self {
         let (width, height) = (image.width, image.height);
         let at = |x: usize, y: usize| image.pixels[y * width + x];
-        let colours = convolve(at, [width, height], &[0..width, 0..height], &gaussian(sigma));
+        let colours = convolve(at, [width, height], &[0..width, 0..height], &gaussian(sigma), [false; 2]);
         let mut gradient = vec![0.0; width * height];
         for y in 0..height {
             let (up, down) = (y.saturating_sub(1) * width, (y + 1).min(height - 1) * width);

@@ -1,28 +1,42 @@
 //! Weighted k-means: k-means++ seeding, Lloyd's iterations, best of several starts.
 
-use vtex_base::sampling::Stream;
+use crate::parallel;
+use crate::sampling::Stream;
 
 const STARTS: u64 = 10;
 const ROUNDS: usize = 100;
 
-/// The cluster of each point, from at most `k` clusters. Weights must be above 0. `random(i)` is the
-/// random stream of start `i`.
-pub(super) fn cluster<const N: usize>(
+/// Points in clusters.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Clusters<const N: usize> {
+    /// The cluster of each point.
+    pub of: Vec<usize>,
+    /// The centre of each cluster.
+    pub centres: Vec<[f64; N]>,
+}
+
+/// At most `k` clusters of points: fewer if there are fewer different points. Weights must be above 0.
+/// `random(i)` is the random stream of start `i`.
+pub fn cluster<const N: usize>(
     points: &[[f64; N]],
     weights: &[f64],
     k: usize,
     random: impl Fn(u64) -> Stream + Sync,
-) -> Vec<usize> {
+) -> Clusters<N> {
     if points.is_empty() {
-        return Vec::new();
+        return Clusters::default();
     }
     let starts: Vec<u64> = (0..STARTS).collect();
-    let runs = vtex_base::parallel::map(&starts, |&start| {
-        lloyd(points, weights, k.min(points.len()), &mut random(start))
-    });
+    let runs =
+        parallel::map(&starts, |&start| lloyd(points, weights, k.min(points.len()), &mut random(start)));
     // Ties go to the first start.
     let best = runs.into_iter().reduce(|a, b| if b.1 < a.1 { b } else { a });
-    best.map_or_else(Vec::new, |b| b.0)
+    best.map_or_else(Clusters::default, |b| b.0)
+}
+
+/// Index of the centre nearest to a point; ties go to the first.
+pub fn nearest<const N: usize>(centres: &[[f64; N]], point: &[f64; N]) -> usize {
+    Member::of(point, centres).cluster
 }
 
 fn distance2<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
@@ -59,13 +73,13 @@ impl Member {
     }
 }
 
-/// One run: the cluster of each point, and the sum of squared distances.
+/// One run: the clusters, and the weighted sum of squared distances.
 fn lloyd<const N: usize>(
     points: &[[f64; N]],
     weights: &[f64],
     k: usize,
     random: &mut Stream,
-) -> (Vec<usize>, f64) {
+) -> (Clusters<N>, f64) {
     let mut centres = vec![points[random.index(points.len())]];
     let mut far = vec![f64::INFINITY; points.len()];
     while centres.len() < k {
@@ -112,5 +126,29 @@ fn lloyd<const N: usize>(
     let assigned: Vec<usize> = members.into_iter().map(|member| member.cluster).collect();
     let error = |((p, w), &c): ((&[f64; N], &f64), &usize)| w * distance2(p, &centres[c]);
     let error = points.iter().zip(weights).zip(&assigned).map(error).sum();
-    (assigned, error)
+    (Clusters { of: assigned, centres }, error)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampling::stream;
+
+    #[test]
+    fn groups_are_found_whatever_the_seed() {
+        let groups = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
+        let point =
+            |i: usize| [groups[i % 3][0] + (i % 7) as f64 * 0.01, groups[i % 3][1] + (i % 5) as f64 * 0.01];
+        let points: Vec<[f64; 2]> = (0..3000).map(point).collect();
+        for seed in 0..5 {
+            let found = cluster(&points, &[1.0; 3000], 3, |start| stream(seed, "test", start));
+            for (p, &of) in points.iter().zip(&found.of) {
+                assert_eq!(nearest(&found.centres, p), of);
+                assert!(distance2(p, &found.centres[of]) < 0.01, "{found:?}");
+            }
+        }
+        let few = |points: &[[f64; 2]]| cluster(points, &[1.0; 2], 3, |start| stream(1, "test", start));
+        assert_eq!(few(&[[1.0, 2.0]; 2]).centres, [[1.0, 2.0]]);
+        assert!(few(&[]).of.is_empty());
+    }
 }
