@@ -8,7 +8,7 @@
 
 use super::grid::{Cells, SubpixelGrid};
 use super::moments::PixelMoments;
-use super::rate_distortion::{RateDistortion, SECONDARY_BYTES};
+use super::rate_distortion::{GRADIENT_BYTES, RateDistortion, SECONDARY_BYTES};
 use image::RgbImage;
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
@@ -31,6 +31,16 @@ pub(super) fn gradient(
     let origin = mask.centroid()?.into();
     let sums = PixelMoments::new(image, mask, origin);
     if cost.of_region(&sums).1 { sums.gradient(mask, origin, grid) } else { None }
+}
+
+/// Bytes of the details of one primary, beyond those of its outline.
+pub(super) fn bytes(image: &Cells<RgbImage>, details: &[Cells<Mask>], cost: RateDistortion) -> f64 {
+    let origin = details.first().and_then(|m| m.centroid()).map_or([0.0; 2], Into::into);
+    let gradients = details.iter().filter(|m| cost.of_region(&PixelMoments::new(image, m, origin)).1).count();
+    let border: u32 = borders(details).iter().flat_map(|b| b.values()).sum();
+    DETAIL_BYTES * details.len().saturating_sub(1) as f64
+        + cost.border_bytes * f64::from(border) / 2.0
+        + GRADIENT_BYTES * gradients as f64
 }
 
 /// Joins the details of one primary; the result still tiles it.

@@ -21,6 +21,7 @@ mod pictures;
 mod rate_distortion;
 mod reduced;
 mod secondaries;
+mod shading;
 mod shapes;
 mod simplify;
 mod strata;

@@ -7,7 +7,7 @@ use vtex_scene::library::{AnalyzeParams, Shading};
 /// Squared error over all components (8-bit steps) that equals one byte at a fit tolerance of 1 px.
 const ERROR_PER_BYTE: f64 = 16.0;
 /// Bytes of a gradient fill.
-const GRADIENT_BYTES: f64 = 145.0;
+pub(super) const GRADIENT_BYTES: f64 = 145.0;
 /// Least area of a gradient fill at a fit tolerance of 1 px, in pixels. In smaller regions, noise and
 /// JPEG blocks cause exaggerated slopes.
 const GRADIENT_AREA: f64 = 80.0;
@@ -33,7 +33,7 @@ impl RateDistortion {
     /// The cost for a fit tolerance: twice the tolerance allows twice the error per byte. Gradients are
     /// off if `params` limits the number of colours.
     pub(super) fn new(params: &AnalyzeParams, grid: SubpixelGrid) -> Self {
-        let gradients = params.shading == Shading::Gradient && params.colors == 0;
+        let gradients = params.shading != Shading::Flat && params.colors == 0;
         let gradient_area =
             if gradients { GRADIENT_AREA * params.fidelity * grid.area() } else { f64::INFINITY };
         Self {
@@ -43,14 +43,18 @@ impl RateDistortion {
         }
     }
 
+    /// The same with bytes that cost `times` as much.
+    pub(super) fn dearer(self, times: f64) -> Self {
+        Self { error_per_byte: self.error_per_byte * times, ..self }
+    }
+
     /// The lowest cost of a byte, from this one upwards, for which `count` gives at most `most` shapes.
     /// `count` must fall as the cost rises. If no cost suffices, the highest is returned.
     pub(super) fn with_limit(self, most: usize, count: impl Fn(Self) -> usize) -> Self {
         if count(self) <= most {
             return self;
         }
-        let at =
-            |doublings: f64| Self { error_per_byte: self.error_per_byte * libm::exp2(doublings), ..self };
+        let at = |doublings: f64| self.dearer(libm::exp2(doublings));
         let (mut low, mut high) = (0.0, 40.0);
         for _ in 0..HALVINGS {
             let middle = (low + high) / 2.0;

@@ -10,6 +10,7 @@ use super::joining;
 use super::palette::Palette;
 use super::partition::Partition;
 use super::rate_distortion::RateDistortion;
+use super::shading::Shade;
 use image::RgbImage;
 use std::collections::{BTreeMap, BTreeSet};
 use vtex_base::geometry::{Affine, FittedMap, Outline, PlanarMap, Scale};
@@ -43,6 +44,8 @@ pub(super) struct FlatPatch {
 pub(super) struct ExemplarPieces {
     /// The details of each primary, which tile it.
     pub(super) details: Vec<Vec<Cells<Mask>>>,
+    /// The soft ellipses on them.
+    pub(super) shades: Vec<Vec<Shade>>,
     /// The secondaries.
     pub(super) secondaries: Vec<FlatPatch>,
     /// The cost that a piece must save.
@@ -132,7 +135,8 @@ pub(super) fn outlines(partition: &Partition<'_>, pieces: &ExemplarPieces) -> El
             _ => 0.0,
         })
     };
-    let primaries = parallel::map(&ordered, |(first, details)| {
+    let with_shades: Vec<_> = ordered.iter().zip(&pieces.shades).collect();
+    let primaries = parallel::map(&with_shades, |((first, details), shades)| {
         let mask = Cells(Mask::from_spans(details.iter().flat_map(|m| m.spans()).copied().collect()));
         let colours: Vec<Colour> =
             medians[first - 1..].iter().take(details.len()).map(|&m| pieces.palette.nearest(m)).collect();
@@ -152,6 +156,7 @@ pub(super) fn outlines(partition: &Partition<'_>, pieces: &ExemplarPieces) -> El
                 painted.push(Shape { gradient: gradients[i].clone(), ..Shape::new(outline, colour) });
             }
         }
+        painted.extend(shades.iter().filter_map(|s| Shape::of_ellipse(s.ellipse, s.colour)));
         ExemplarElement {
             category: Some(CategoryId(0)),
             colour: median(image, &mask),

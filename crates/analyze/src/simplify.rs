@@ -5,13 +5,14 @@ use super::joining;
 use super::palette::Palette;
 use super::partition::Partition;
 use super::rate_distortion::RateDistortion;
+use super::shading;
 use super::shapes::{self, ExemplarPieces, FlatPatch};
 use image::RgbImage;
 use vtex_base::parallel;
 use vtex_base::raster::Mask;
-use vtex_scene::library::AnalyzeParams;
+use vtex_scene::library::{AnalyzeParams, Shading};
 
-/// Joins details and drops patches that cost more bytes than they save error. If `max_paths` is
+/// Joins details, shades them softly, and drops patches that cost more bytes than they save error. If `max_paths` is
 /// above 0, the cost of a byte rises until at most that many shapes remain; a warning says if the
 /// primaries alone exceed it.
 /// Then, if colours are limited, clusters those of all pieces, and joins neighbouring details of one colour.
@@ -43,7 +44,15 @@ pub(super) fn simplify(
     }
     let secondaries = patches.into_iter().filter(|p| worthwhile(cost, p)).collect();
     let palette = Palette::new(&[], 0, params.seed);
-    let pieces = ExemplarPieces { details: join(cost), secondaries, cost, palette };
+    let is_soft = params.shading == Shading::Soft && params.colors == 0 && params.max_paths == 0;
+    let (details, shades) = if is_soft {
+        cost = cost.dearer(shading::DEARER);
+        let shaded = shading::shaded(partition, details, cost);
+        shaded.into_iter().map(|s| (s.details, s.shades)).unzip()
+    } else {
+        (join(cost), vec![Vec::new(); details.len()])
+    };
+    let pieces = ExemplarPieces { details, shades, secondaries, cost, palette };
     if params.colors == 0 { pieces } else { reduce_colours(clean, pieces, params) }
 }
 

@@ -18,7 +18,7 @@ use vtex_base::error::{Error, Large, Result};
 use vtex_base::geometry::{Affine, Outline, PathEl, Rect, Vec2};
 use vtex_base::parallel;
 use vtex_base::raster::colour::Colour;
-use vtex_scene::element::{GradientKind, Stop};
+use vtex_scene::element::{Ellipse, GradientKind, Stop};
 use vtex_scene::scene::{Gradient, Instance, Scene, Shape};
 
 /// Height of the bands drawn at a time, in pixels.
@@ -127,10 +127,31 @@ fn band_transform(affine: Affine, top: f64) -> Transform {
 /// The paths of an element with their paint; that of the base may come from the instance.
 struct ElementPaths {
     base: Option<tiny_skia::Path>,
-    details: Vec<(tiny_skia::Path, Paint<'static>)>,
+    details: Vec<Detail>,
     /// The outline of the whole, if that is not the base's.
     silhouette: Option<tiny_skia::Path>,
     bounds: Rect,
+}
+
+/// A shape on the base.
+struct Detail {
+    path: tiny_skia::Path,
+    paint: Paint<'static>,
+    /// Of a soft ellipse: the map of the unit disc, which `path` is and `paint` fills.
+    soft: Option<Affine>,
+}
+
+impl Detail {
+    fn new(shape: &Shape) -> Option<Self> {
+        let Some(ellipse) = &shape.ellipse else {
+            let (path, paint) =
+                (path_of(&shape.outline)?, paint(shape, shape.colour, shape.gradient.as_deref()));
+            return Some(Self { path, paint, soft: None });
+        };
+        let path = PathBuilder::from_circle(0.0, 0.0, 1.0)?;
+        let paint = paint(shape, shape.colour, Some(&Ellipse::brush(shape.colour)));
+        Some(Self { path, paint, soft: Some(ellipse.map()) })
+    }
 }
 
 /// A scene made ready to be drawn.
@@ -167,11 +188,7 @@ impl<'a> PreparedScene<'a> {
     fn new(scene: &'a Scene, scale: [f64; 2]) -> Self {
         let drawings = parallel::map(&scene.elements, |element| ElementPaths {
             base: path_of(&element.base().outline),
-            details: element
-                .details()
-                .iter()
-                .filter_map(|s| Some((path_of(&s.outline)?, paint(s, s.colour, s.gradient.as_deref()))))
-                .collect(),
+            details: element.details().iter().filter_map(Detail::new).collect(),
             silhouette: element.silhouette.as_ref().and_then(path_of),
             bounds: element.bounds(),
         });
@@ -259,8 +276,14 @@ impl<'a> PreparedScene<'a> {
                 None,
             );
         }
-        for (path, paint) in &drawing.details {
-            band.fill_path(path, paint, FillRule::Winding, transform, None);
+        for run in drawing.details.chunk_by(|a, b| a.soft.is_some() == b.soft.is_some()) {
+            if run[0].soft.is_some() {
+                draw_soft(run, drawing, placed.affine, band, top);
+                continue;
+            }
+            for detail in run {
+                band.fill_path(&detail.path, &detail.paint, FillRule::Winding, transform, None);
+            }
         }
         let outline = drawing.silhouette.as_ref().or(drawing.base.as_ref());
         if let (Some(path), Some(stroke)) = (outline, instance.stroke) {
@@ -272,6 +295,32 @@ impl<'a> PreparedScene<'a> {
             band.stroke_path(path, &opaque(stroke.colour), &line, transform, None);
         }
     }
+}
+
+/// Draws soft ellipses that follow one another, clipped to the base of their element.
+fn draw_soft(
+    ellipses: &[Detail],
+    drawing: &ElementPaths,
+    to_picture: Affine,
+    band: &mut PixmapMut<'_>,
+    top: f64,
+) -> Option<()> {
+    let base = drawing.base.as_ref()?;
+    let reach = to_picture.transform_rect_bbox(drawing.bounds) - Vec2::new(0.0, top);
+    let seen = reach.inflate(1.0, 1.0).expand();
+    let seen = seen.intersect(Rect::new(0.0, 0.0, band.width().into(), band.height().into()));
+    let (x, y) = (seen.x0, seen.y0);
+    let mut own = Pixmap::new(seen.width() as u32, seen.height() as u32)?;
+    let place = |map: Affine| band_transform(map.then_translate(Vec2::new(-x, 0.0)), top + y);
+    for detail in ellipses {
+        let transform = place(to_picture * detail.soft?);
+        own.fill_path(&detail.path, &detail.paint, FillRule::Winding, transform, None);
+    }
+    let mut mask = Mask::new(own.width(), own.height())?;
+    mask.fill_path(base, FillRule::Winding, true, place(to_picture));
+    own.apply_mask(&mask);
+    band.draw_pixmap(x as i32, y as i32, own.as_ref(), &PixmapPaint::default(), Transform::identity(), None);
+    Some(())
 }
 
 /// Draws onto a band, clipped to a region if there is one.

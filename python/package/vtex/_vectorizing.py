@@ -49,7 +49,7 @@ def vectorize(
     masks: _masks.Masks | None = None,
     seed: int = 0,
     fidelity: float = 0.5,
-    shading: Literal["flat", "gradient"] = "gradient",
+    shading: Literal["flat", "gradient", "soft"] = "soft",
     colors: int = 0,
     max_paths: int = 0,
     cells: int = 0,
@@ -76,8 +76,9 @@ def vectorize(
         Seed of random choices, 0 to 2**64 - 1.
     fidelity : float, default 0.5
         Distance of smooth outlines from the photograph's, 0.05 to 5 pixels.
-    shading : {"gradient", "flat"}, default "gradient"
-        Whether elements are filled with gradients where these tell more.
+    shading : {"soft", "gradient", "flat"}, default "soft"
+        ``"soft"``: soft ellipses on few shapes make elements round. ``"gradient"``: more shapes, filled with
+        gradients where these tell more. ``"flat"``: one colour each.
     colors : int, default 0
         Most colours, all flat, up to 4096; 0 for as many as there are. ``colours`` is the same.
     max_paths : int, default 0

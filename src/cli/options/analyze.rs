@@ -69,10 +69,10 @@ pub(crate) struct AnalyzeFlags {
     /// to 5, default: 0.5]
     #[arg(long, value_name = "PX", allow_negative_numbers = true)]
     pub(crate) fidelity: Option<f64>,
-    /// Fill elements with one colour each, or with gradients where these tell more [flat or gradient,
-    /// default: gradient]
+    /// Fill elements with one colour each, with gradients where these tell more, or shade them softly
+    /// [flat, gradient or soft, default: soft]
     #[arg(long, value_name = "HOW", hide_possible_values = true)]
-    #[arg(value_parser = one_of(&["flat", "gradient"], named::<Shading>))]
+    #[arg(value_parser = one_of(&["flat", "gradient", "soft"], named::<Shading>))]
     pub(crate) shading: Option<Shading>,
     /// Most colours, all flat, the background of a vectorized photograph included; 0: as many as there are [0 to 4096, default: 0]
     #[arg(long, alias = "colours", value_name = "NUMBER", allow_negative_numbers = true)]

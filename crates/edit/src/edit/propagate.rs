@@ -191,7 +191,8 @@ fn drawn_on(
         let gradient = shape.gradient.as_ref().and_then(|g| g.drawn(map));
         (!outline.is_empty()).then(|| Shape { gradient, ..shape.with_outline(outline) })
     };
-    let new: Vec<Shape> = shapes.iter().filter_map(moved).collect();
+    // Soft ellipses are seen on another shape only.
+    let new: Vec<Shape> = shapes.iter().filter_map(moved).skip_while(Shape::is_soft).collect();
     let Some(outline) = replaced else {
         return element.with_shapes(element.shapes.iter().cloned().chain(new).collect());
     };

@@ -133,12 +133,13 @@ fn extent(ring: &[Point]) -> f64 {
     along(&|p| p.x) * along(&|p| p.y)
 }
 
-/// A detail brought into a ring by a map; parts outside the ring are moved to it. `None` if no area is left.
+/// A detail brought into a ring by a map; what would stick out of the ring is moved to it, but for soft ellipses,
+/// which are clipped. `None` if nothing of it is left.
 fn carried(detail: &Shape, map: Affine, hull: &[Point]) -> Option<Shape> {
     let path = map * detail.outline.path();
     let moved = Outline::new(&path)?;
     let rings = moved.polygons(TOLERANCE);
-    let outline = if rings.iter().flatten().all(|p| inside(hull, *p)) {
+    let outline = if detail.is_soft() || rings.iter().flatten().all(|p| inside(hull, *p)) {
         moved
     } else {
         let kept = |p: Point| if inside(hull, p) { p } else { nearest(hull, p) };

@@ -68,7 +68,7 @@ pub struct LayerMotion<'a> {
 }
 
 impl Interpolation {
-    /// The motions of all layers, in painting order.
+    /// The motions of all layers, in painting order. Soft ellipses are left out.
     pub fn motions(&self) -> Vec<LayerMotion<'_>> {
         self.layers.iter().map(|layer| self.motion_of(layer)).collect()
     }

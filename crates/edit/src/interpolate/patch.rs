@@ -20,6 +20,8 @@ pub(super) struct CentredDetail {
     /// Its rings, the largest first.
     pub(super) rings: Vec<Ring>,
     pub(super) paint: ShapePaint,
+    /// Whether it is a soft ellipse, whose rim `rings` are.
+    pub(super) soft: bool,
 }
 
 /// A detail that changes over time.
@@ -30,6 +32,8 @@ pub(super) struct MovingDetail {
     paints: [Option<(ShapePaint, Point)>; 2],
     /// Position in the painting order at either end, 0 to 1.
     keys: [f64; 2],
+    /// Whether it is a soft ellipse at either end.
+    soft: [bool; 2],
 }
 
 /// A ring that changes over time.
@@ -45,6 +49,8 @@ pub(super) struct Carry<'a> {
     pub(super) cages: &'a [Cage; 2],
     /// The ring that details must stay inside.
     pub(super) hull: &'a Ring,
+    /// Whether what sticks out of it is clipped, and so may stay there.
+    pub(super) clips: bool,
     /// Ratios of lengths to those of either end, and the rotations so far.
     pub(super) scales: [f64; 2],
     pub(super) turns: [f64; 2],
@@ -68,7 +74,7 @@ impl MovingRing {
 
     /// The ring at time `t`, always with the same number of points.
     pub(super) fn ring(&self, carry: &Carry<'_>, t: f64) -> Ring {
-        let kept = |p: Point| if inside(carry.hull, p) { p } else { nearest(carry.hull, p) };
+        let kept = |p: Point| if carry.clips || inside(carry.hull, p) { p } else { nearest(carry.hull, p) };
         match self {
             Self::Pair([from, to]) => {
                 let [a, b] = carry.cages;
@@ -88,6 +94,8 @@ impl MovingRing {
 impl MovingDetail {
     /// The detail at time `t`; `None` while it does not exist.
     pub(super) fn at(&self, carry: &Carry<'_>, t: f64) -> Option<Shape> {
+        let soft = self.is_soft(t);
+        let carry = &Carry { clips: soft, ..*carry };
         let rings: Vec<Ring> = self.rings.iter().filter_map(|part| part.at(carry, t)).collect();
         let (area, centre) = rings.first().map(|r| moments(r))?;
         if area.abs() < 0.2 {
@@ -106,7 +114,15 @@ impl MovingDetail {
             (None, None) => return None,
         };
         let outline = Outline::along(&rings, TOLERANCE).filter(|o| !o.is_empty())?;
+        if soft {
+            return Shape::soft_along(&outline, paint.colour);
+        }
         Some(Shape { gradient: paint.gradient.map(Box::new), ..Shape::new(outline, paint.colour) })
+    }
+
+    /// Whether it is a soft ellipse at time `t`.
+    pub(super) fn is_soft(&self, t: f64) -> bool {
+        self.soft[usize::from(t >= 0.5)]
     }
 
     /// All its rings at time `t`, always with the same numbers of points.
@@ -158,7 +174,8 @@ pub(super) fn patches(
         if let Some(rings) = paired_rings([&pair[0].rings, &pair[1].rings], turn) {
             let centre = |side: usize| moments(&pair[side].rings[0]).1;
             let paints = [0, 1].map(|side| Some((pair[side].paint.clone(), centre(side))));
-            out.push(MovingDetail { rings, paints, keys: [key(0, i), key(1, k)] });
+            let soft = pair.map(|detail| detail.soft);
+            out.push(MovingDetail { rings, paints, keys: [key(0, i), key(1, k)], soft });
         }
     }
     for side in 0..2 {
@@ -171,7 +188,7 @@ pub(super) fn patches(
             let mut paints = [None, None];
             paints[side] = Some((detail.paint.clone(), centre));
             let rings = detail.rings.iter().map(part).collect();
-            out.push(MovingDetail { rings, paints, keys: [key(side, k); 2] });
+            out.push(MovingDetail { rings, paints, keys: [key(side, k); 2], soft: [detail.soft; 2] });
         }
     }
     out

@@ -7,6 +7,7 @@ use super::ring::{Ring, moments, transformed};
 use vtex_base::geometry::{Affine, Outline, Point};
 use vtex_base::parallel;
 use vtex_base::raster::colour::Colour;
+use vtex_scene::element::Ellipse;
 use vtex_scene::scene::{Element, Gradient, Instance, LibraryId, LibraryRef, Scene};
 
 /// Largest distance between a polygon and its curve, in pixels.
@@ -86,6 +87,7 @@ impl<'a> Side<'a> {
         let details = details.filter(|(rings, _)| !rings.is_empty()).map(|(rings, patch)| CentredDetail {
             rings: transformed(rings, affine),
             paint: paint((patch.colour, patch.gradient.as_deref()), affine),
+            soft: patch.is_soft(),
         });
         (area > 1e-3).then(|| CentredInstance {
             centre,
@@ -122,7 +124,8 @@ impl FlatTexton {
         };
         let mut all = 0.0;
         for (rings, patch) in details.iter().zip(element.details()) {
-            let weight = rings.first().map_or(0.0, |r| moments(r).0.abs());
+            let share = if patch.is_soft() { Ellipse::MEAN_OPACITY } else { 1.0 };
+            let weight = rings.first().map_or(0.0, |r| moments(r).0.abs()) * share;
             add(patch.colour, weight);
             (rest, all) = (rest - weight, all + weight);
         }

@@ -162,7 +162,8 @@ impl Tween {
                 let instance = &layer.of(*side, ends.scenes[*side])[*instance as usize];
                 let element = ends.scenes[*side].element(instance);
                 let (base, _) = element.paint(instance.colour);
-                let details = element.details().iter().map(|d| (&d.outline, d.colour));
+                let details =
+                    element.details().iter().filter(|d| !d.is_soft()).map(|d| (&d.outline, d.colour));
                 let all = std::iter::once((&element.base().outline, base)).chain(details);
                 let moving = |(outline, colour): (&Outline, _)| {
                     MovingShape::resized(outline, instance.affine(), *centre, *side == 1, colour)
@@ -196,6 +197,7 @@ impl MatchedTextons {
         let carries = [0, 1, 2].map(|k| Carry {
             cages: &cages[k],
             hull: &hulls[k],
+            clips: false,
             scales: [1.0; 2],
             turns: self.turns(TIMES[k]),
         });
@@ -207,7 +209,8 @@ impl MatchedTextons {
         let mut shapes = vec![MovingShape::new(outline, centres, self.paints.each_ref().map(|p| p.colour))];
         let mut order: Vec<(f64, &MovingDetail)> = self.details.iter().map(|d| (d.key(0.5), d)).collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0));
-        shapes.extend(order.iter().map(|(_, patch)| {
+        let hard = order.iter().filter(|(_, patch)| !patch.is_soft(0.5));
+        shapes.extend(hard.map(|(_, patch)| {
             let rings = [0, 1, 2].map(|k| patch.rings(&carries[k], TIMES[k]));
             MovingShape::new(rings, centres, patch.colours())
         }));
@@ -230,7 +233,7 @@ impl MatchedTextons {
         let mut details = Vec::new();
         if !(self.holes.is_empty() && self.details.is_empty()) {
             let cages = self.blend.cages(&ring);
-            let carry = Carry { cages: &cages, hull: &ring, scales, turns };
+            let carry = Carry { cages: &cages, hull: &ring, clips: false, scales, turns };
             rings.extend(self.holes.iter().filter_map(|hole| hole.at(&carry, t)));
             let mut order: Vec<(f64, &MovingDetail)> = self.details.iter().map(|d| (d.key(t), d)).collect();
             order.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -245,6 +248,7 @@ impl MatchedTextons {
         let base = Shape {
             outline,
             line: None,
+            ellipse: None,
             colour: paint.colour,
             gradient: paint.gradient.map(Box::new),
             opacity: opacities[0] + (opacities[1] - opacities[0]) * t,

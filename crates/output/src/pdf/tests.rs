@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::testing;
+use vtex_base::error::Error;
 use vtex_scene::scene::{Domain, Edge, ElementId, Tile};
 
 fn bytes(scene: &Scene) -> Vec<u8> {

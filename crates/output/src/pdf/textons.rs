@@ -7,8 +7,9 @@ use super::{is_empty, is_seen};
 use crate::shadow::{self, Shadows};
 use std::collections::BTreeMap;
 use std::io::Result;
-use vtex_base::geometry::{Affine, Outline, Rect};
+use vtex_base::geometry::{Affine, Outline, Rect, Vec2};
 use vtex_base::raster::colour::Colour;
+use vtex_scene::element::Ellipse;
 use vtex_scene::scene::{Element, ElementId, Instance, Scene};
 
 /// Least number of path elements, in all copies but one, for which a texton gets an object of its own.
@@ -25,14 +26,42 @@ pub(super) struct PdfTextons<'a> {
     shadows: Shadows,
     /// The shadows that are defined already.
     defined_shadows: BTreeMap<shadow::Key, Ref>,
+    brushes: Brushes,
+}
+
+/// The discs of soft ellipses that are defined already, by colour.
+#[derive(Default)]
+struct Brushes(BTreeMap<Colour, Ref>);
+
+impl Brushes {
+    /// The unit disc in one colour.
+    fn form(&mut self, colour: Colour, file: &mut File) -> Result<Ref> {
+        if let Some(form) = self.0.get(&colour) {
+            return Ok(*form);
+        }
+        let bounds = Rect::new(-1.0, -1.0, 1.0, 1.0);
+        let mut content = ContentStream::default();
+        set_gradient(&mut content, file, &Ellipse::brush(colour), bounds)?;
+        content.fill_rectangle(bounds);
+        let form = content.form(file, bounds)?;
+        self.0.insert(colour, form);
+        Ok(form)
+    }
 }
 
 impl<'a> PdfTextons<'a> {
     pub(super) fn new(scene: &'a Scene) -> Self {
         let bounds = scene.elements.iter().map(Element::bounds).collect();
         let (shadows, defined_shadows) = (Shadows::new(scene), BTreeMap::new());
-        let mut textons =
-            Self { scene, bounds, uses: BTreeMap::new(), defined: BTreeMap::new(), shadows, defined_shadows };
+        let mut textons = Self {
+            scene,
+            bounds,
+            uses: BTreeMap::new(),
+            defined: BTreeMap::new(),
+            shadows,
+            defined_shadows,
+            brushes: Brushes::default(),
+        };
         for instance in scene.instances() {
             let count = textons.places(instance).count();
             *textons.uses.entry((instance.element, instance.colour)).or_default() += count;
@@ -77,8 +106,8 @@ impl<'a> PdfTextons<'a> {
                     c.transform(affine);
                     match form {
                         Some(form) => c.draw(form),
-                        // Written in its own coordinates, whose numbers are short.
-                        None => paint(element, instance.colour, c, file)?,
+                        // In its own coordinates, whose numbers are short.
+                        None => paint(element, instance.colour, c, file, &mut self.brushes)?,
                     }
                     if let Some(stroke) = instance.stroke {
                         c.stroke(element.outline(), stroke.colour, stroke.width);
@@ -96,8 +125,9 @@ impl<'a> PdfTextons<'a> {
             return Ok(*form);
         }
         let mut content = ContentStream::default();
-        paint(element, key.1, &mut content, file)?;
-        let bounds = union(element.shapes.iter().map(|shape| &shape.outline));
+        paint(element, key.1, &mut content, file, &mut self.brushes)?;
+        let bounds =
+            union(element.shapes.iter().filter(|shape| !shape.is_soft()).map(|shape| &shape.outline));
         let form = content.form(file, bounds)?;
         self.defined.insert(key, form);
         Ok(form)
@@ -138,9 +168,9 @@ fn path_elements(element: &Element) -> usize {
     element.shapes.iter().map(|s| s.outline.path().elements().len()).sum()
 }
 
-/// Whether an element, its base in `colour` if there is one, is painted with a gradient.
+/// Whether an element, its base in `colour` if there is one, is painted with a gradient or softly.
 fn has_gradient(element: &Element, colour: Option<Colour>) -> bool {
-    element.paint(colour).1.is_some() || element.details().iter().any(|s| s.gradient.is_some())
+    element.paint(colour).1.is_some() || element.details().iter().any(|s| s.gradient.is_some() || s.is_soft())
 }
 
 /// The shapes of an element, its base in `colour` if there is one.
@@ -149,9 +179,22 @@ fn paint(
     colour: Option<Colour>,
     content: &mut ContentStream,
     file: &mut File,
+    brushes: &mut Brushes,
 ) -> Result<()> {
     let mut last = None;
     for (i, shape) in element.shapes.iter().enumerate().filter(|(_, shape)| !is_empty(&shape.outline)) {
+        if let Some(ellipse) = &shape.ellipse {
+            let form = brushes.form(shape.colour, file)?;
+            content.within(|c| {
+                c.clip(&element.base().outline, &[Vec2::ZERO]);
+                if shape.opacity != 1.0 {
+                    set_opacity(c, file, shape.opacity);
+                }
+                c.transform(ellipse.map());
+                c.draw(form);
+            });
+            continue;
+        }
         let own = colour.filter(|_| i == 0);
         let gradient = shape.gradient.as_deref().filter(|_| own.is_none());
         let flat = own.unwrap_or(shape.colour);

@@ -36,8 +36,8 @@ impl Ranks {
         let mut all: Vec<(f64, ShapePlace)> = Vec::new();
         for (t, element) in scene.elements.iter().enumerate() {
             for (d, detail) in element.details().iter().enumerate() {
-                let seen = sizes[t] * detail.outline.area() * distance(detail.colour, beneath(element, d));
-                all.push((seen / bytes(&detail.outline), ShapePlace::Detail(t, d)));
+                let seen = sizes[t] * detail.area() * distance(detail.colour, beneath(element, d));
+                all.push((seen / detail_bytes(detail), ShapePlace::Detail(t, d)));
             }
         }
         // The cost of an instance: a reference and a share of the definition where there is one.
@@ -61,8 +61,7 @@ impl Ranks {
                     field.as_ref().map_or(Colour::default(), |f| Colour::from_f64(f.at(at.x, at.y)));
                 let contrast = distance(instance.colour.unwrap_or(element.base().colour), beneath);
                 let area = element.outline().area() * affine.determinant().abs();
-                let own: f64 =
-                    element.details().iter().map(|p| p.outline.area() * distance(p.colour, beneath)).sum();
+                let own: f64 = element.details().iter().map(|p| p.area() * distance(p.colour, beneath)).sum();
                 let bytes = own_bytes[instance.element.index()];
                 all.push(((area * contrast + own) / bytes, ShapePlace::Instance(k, i)));
             }
@@ -120,7 +119,18 @@ fn beneath(element: &Element, detail: usize) -> Colour {
     let holds = |p: &&Shape| {
         contains(p.outline.bounds()) && kurbo::Shape::winding(p.outline.path(), bounds.center()) != 0
     };
-    element.details()[..detail].iter().rev().find(holds).map_or(element.base().colour, |p| p.colour)
+    element.details()[..detail]
+        .iter()
+        .filter(|p| !p.is_soft())
+        .rfind(holds)
+        .map_or(element.base().colour, |p| p.colour)
+}
+
+/// About how many bytes of an SVG a detail takes.
+fn detail_bytes(detail: &Shape) -> f64 {
+    /// A reference to a brush, which compresses to a tenth of it.
+    const SOFT: f64 = 60.0;
+    if detail.is_soft() { SOFT } else { bytes(&detail.outline) }
 }
 
 /// Approximate number of bytes of a path in an SVG.

@@ -65,19 +65,25 @@ impl<'a> BoxGradient<'a> {
                 xml.attribute("gradientTransform", format_args!("matrix({})", list(&numbers)));
             }
         }
-        for stop in self.gradient.stops() {
-            xml.open("stop");
-            if stop.offset > 0.0 {
-                xml.attribute("offset", Number(stop.offset, 3));
-            }
-            xml.attribute("stop-color", HexColour(stop.colour));
-            if stop.opacity < 1.0 {
-                xml.attribute("stop-opacity", Number(stop.opacity, 3));
-            }
-            xml.close()?;
-        }
+        write_stops(xml, self.gradient)?;
         xml.close()
     }
+}
+
+/// The stops of a gradient.
+pub(super) fn write_stops<W: Write>(xml: &mut Xml<W>, gradient: &Gradient) -> io::Result<()> {
+    for stop in gradient.stops() {
+        xml.open("stop");
+        if stop.offset > 0.0 {
+            xml.attribute("offset", Number(stop.offset, 3));
+        }
+        xml.attribute("stop-color", HexColour(stop.colour));
+        if stop.opacity < 1.0 {
+            xml.attribute("stop-opacity", Number(stop.opacity, 3));
+        }
+        xml.close()?;
+    }
+    Ok(())
 }
 
 fn linear(gradient: &Gradient, affine: Affine, bounds: Rect) -> Option<GradientPlace> {

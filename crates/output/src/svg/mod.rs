@@ -26,6 +26,7 @@
 
 mod animation;
 mod background;
+mod brushes;
 mod css;
 mod flowing;
 mod gradients;

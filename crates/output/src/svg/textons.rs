@@ -1,6 +1,7 @@
 //! Textons in SVG: defined once, or written in place.
 
 use super::SvgOptions;
+use super::brushes::Brushes;
 use super::gradients::BoxGradient;
 use super::number::{HexColour, Number, list};
 use super::xml::{ViewerLoad, Xml};
@@ -42,6 +43,19 @@ pub(super) struct SvgTextons<'a> {
     shared_shadows: BTreeMap<shadow::Key, String>,
     /// Whether a texton's bare outline is defined, for lines along it.
     outlined: Vec<bool>,
+    brushes: Brushes,
+    /// Number of the next clip path around soft ellipses.
+    clips: Cell<u64>,
+}
+
+/// What the path of an element's first shape is called.
+#[derive(Clone, Copy)]
+enum PathId {
+    /// By the element's source, of an element written in place.
+    Source(usize),
+    /// By the id of the definition that it is part of.
+    Base(usize),
+    Nothing,
 }
 
 /// The paint of an element's outline.
@@ -96,6 +110,8 @@ impl<'a> SvgTextons<'a> {
             shadows,
             shared_shadows,
             outlined,
+            brushes: Brushes::new(scene, expand, precision),
+            clips: Cell::new(0),
         };
         let mut uses = vec![0; scene.elements.len()];
         let mut shadow_uses: BTreeMap<shadow::Key, usize> = BTreeMap::new();
@@ -162,6 +178,7 @@ impl<'a> SvgTextons<'a> {
 
     /// The shared textons, for `<defs>`.
     pub(super) fn write_definitions<W: Write>(&self, xml: &mut Xml<W>) -> io::Result<()> {
+        self.brushes.write_definitions(xml)?;
         for (key, layers) in self.shadows.all() {
             if let Some(id) = self.shared_shadows.get(&key) {
                 self.write_shadow(xml, layers, None, Some(id))?;
@@ -369,14 +386,58 @@ impl<'a> SvgTextons<'a> {
         affine: Option<Affine>,
     ) -> io::Result<()> {
         let element = &self.scene.elements[index];
-        // A definition has its id already.
-        let source = affine.is_some().then_some(index);
-        self.write_filled(xml, element.base(), base, affine, source)?;
-        for shape in element.details() {
-            let fill = Base::new((shape.colour, shape.gradient.as_deref()));
-            self.write_filled(xml, shape, fill, affine, None)?;
+        let is_clipped = element.details().iter().any(Shape::is_soft);
+        let id = match affine {
+            Some(_) => PathId::Source(index),
+            // A definition has its id already.
+            None if is_clipped => PathId::Base(index),
+            None => PathId::Nothing,
+        };
+        self.write_filled(xml, element.base(), base, affine, id)?;
+        let clip = is_clipped.then(|| self.write_clip(xml, index, affine)).transpose()?;
+        for run in element.details().chunk_by(|a, b| a.is_soft() == b.is_soft()) {
+            if let Some(clip) = clip.filter(|_| run[0].is_soft()) {
+                xml.open("g");
+                xml.attribute("clip-path", format_args!("url(#c{clip})"));
+                for shape in run {
+                    if let Some(ellipse) = &shape.ellipse {
+                        self.brushes.write(xml, shape, ellipse, affine.unwrap_or_default())?;
+                    }
+                }
+                xml.close()?;
+                continue;
+            }
+            for shape in run {
+                let fill = Base::new((shape.colour, shape.gradient.as_deref()));
+                self.write_filled(xml, shape, fill, affine, PathId::Nothing)?;
+            }
         }
         Ok(())
+    }
+
+    /// The clip path of an element's soft ellipses: its first shape. Gives its number.
+    fn write_clip<W: Write>(
+        &self,
+        xml: &mut Xml<W>,
+        index: usize,
+        affine: Option<Affine>,
+    ) -> io::Result<u64> {
+        let number = self.clips.get();
+        self.clips.set(number + 1);
+        xml.open("clipPath");
+        xml.attribute("id", format_args!("c{number}"));
+        if self.expand {
+            xml.open("path");
+            xml.attribute("d", self.data(&self.scene.elements[index].base().outline, affine));
+        } else {
+            let suffix = if affine.is_some() { "" } else { "b" };
+            xml.open("use");
+            xml.attribute("xlink:href", format_args!("#{}{suffix}", self.ids[index]));
+            xml.follow(ViewerLoad { elements: 1, references: 0 });
+        }
+        xml.close()?;
+        xml.close()?;
+        Ok(number)
     }
 
     /// A path, moved by `affine`, after the gradient that fills it; the first of a texton written in
@@ -387,7 +448,7 @@ impl<'a> SvgTextons<'a> {
         shape: &Shape,
         fill: Base<'_>,
         affine: Option<Affine>,
-        source: Option<usize>,
+        path_id: PathId,
     ) -> io::Result<()> {
         let mut id = None;
         if let Base::Gradient(_, gradient) = fill {
@@ -400,8 +461,10 @@ impl<'a> SvgTextons<'a> {
             }
         }
         xml.open("path");
-        if let Some(index) = source {
-            self.write_source(xml, index);
+        match path_id {
+            PathId::Source(index) => self.write_source(xml, index),
+            PathId::Base(index) => xml.attribute("id", format_args!("{}b", self.ids[index])),
+            PathId::Nothing => (),
         }
         // A shape that takes its paint from elsewhere is filled.
         let line = shape.line.as_ref().filter(|_| !matches!(fill, Base::Inherited));

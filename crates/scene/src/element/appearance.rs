@@ -22,7 +22,7 @@ impl Appearance {
         let mut parts: Vec<([[f32; 3]; 2], f64)> = Vec::with_capacity(shapes.len());
         let mut covered = 0.0;
         for detail in &shapes[1..] {
-            let area = detail.outline.area();
+            let area = detail.area();
             parts.push((ends(detail, None), area));
             covered += area;
         }

@@ -4,6 +4,7 @@
 //! on an element differ ([`crate::library::ExemplarElement`], [`crate::scene::Element`]).
 
 mod appearance;
+mod ellipse;
 mod gaussian;
 mod gradient;
 mod line;
@@ -14,6 +15,7 @@ mod tests;
 pub(crate) mod version1;
 
 pub use appearance::Appearance;
+pub use ellipse::Ellipse;
 pub use gaussian::Gaussian;
 pub use gaussian::ROUND;
 pub use gradient::{Gradient, GradientKind, Stop};
@@ -131,9 +133,9 @@ pub(crate) fn deserialize_shapes<'de, D: Deserializer<'de>>(deserializer: D) -> 
     deserializer.deserialize_seq(ShapesVisitor)
 }
 
-/// Bounding box of shapes; empty at the origin if there are none.
+/// Bounding box of what shapes paint; empty at the origin if there are none.
 pub fn bounds(shapes: &[Shape]) -> Rect {
-    let mut all = shapes.iter().map(|s| s.outline.bounds());
+    let mut all = shapes.iter().filter(|s| !s.is_soft()).map(|s| s.outline.bounds());
     let first = all.next().unwrap_or_default();
     all.fold(first, |sum, next| sum.union(next))
 }
@@ -148,6 +150,9 @@ pub(crate) fn outline<'a>(silhouette: Option<&'a Outline>, shapes: &'a [Shape]) 
 pub(crate) fn fault(shapes: &[Shape]) -> Option<String> {
     if shapes.is_empty() {
         return Some("has no shapes".into());
+    }
+    if shapes[0].is_soft() {
+        return Some("has a soft ellipse as its first shape".into());
     }
     shapes.iter().enumerate().find_map(|(i, shape)| Some(format!("shapes[{i}]: {}", shape.fault()?)))
 }

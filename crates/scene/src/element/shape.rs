@@ -1,6 +1,6 @@
 //! Shapes and their paint.
 
-use super::{Gradient, Line};
+use super::{Ellipse, Gradient, Line};
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::ser::SerializeStruct;
@@ -8,10 +8,10 @@ use serde::{Deserialize, Serialize, Serializer};
 use vtex_base::geometry::{Affine, Outline};
 use vtex_base::raster::colour::Colour;
 
-/// A shape of an element: a filled outline, or a stroked path.
+/// A shape of an element: a filled outline, a stroked path, or a soft ellipse.
 ///
-/// A stroked path is stored as its line; its outline, the area that the stroke paints, is derived when it is
-/// read, so that all other code handles outlines only.
+/// A stroked path is stored as its line, a soft ellipse as its matrix; the outline, the area that the stroke
+/// paints or the ellipse's rim, is derived when it is read, so that all other code handles outlines only.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(try_from = "StoredShape")]
@@ -21,6 +21,9 @@ pub struct Shape {
     pub outline: Outline,
     /// The stroked path that has this outline; `None` for a filled outline.
     pub line: Option<Box<Line>>,
+    /// The soft ellipse that has this outline as its rim; `None` for other shapes. The first shape of an element
+    /// is none.
+    pub ellipse: Option<Box<Ellipse>>,
     /// Fill or stroke colour; if there is a gradient, its mean colour.
     pub colour: Colour,
     /// Gradient that replaces the colour. Few shapes have one.
@@ -29,7 +32,7 @@ pub struct Shape {
     pub opacity: f64,
 }
 
-/// A shape as files hold it: with either an outline or a line.
+/// A shape as files hold it: with an outline, a line or an ellipse.
 #[derive(Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[cfg_attr(feature = "schema", schemars(rename = "Shape"))]
@@ -41,9 +44,12 @@ struct StoredShape {
     /// A stroked path, in place of the outline.
     #[serde(default)]
     line: Option<Box<Line>>,
+    /// A soft ellipse, in place of the outline.
+    #[serde(default)]
+    ellipse: Option<Box<Ellipse>>,
     /// Fill or stroke colour; if there is a gradient, its mean colour.
     colour: Colour,
-    /// Gradient that replaces the colour.
+    /// Gradient that replaces the colour. A soft ellipse has none.
     #[serde(default)]
     gradient: Option<Box<Gradient>>,
     /// Opacity, 0 to 1. Default 1.
@@ -59,16 +65,20 @@ impl TryFrom<StoredShape> for Shape {
     type Error = String;
 
     fn try_from(stored: StoredShape) -> Result<Self, String> {
-        let StoredShape { outline, line, colour, gradient, opacity } = stored;
-        let outline = match (outline, &line) {
-            (Some(outline), None) => outline,
-            (None, Some(line)) => match line.fault() {
+        let StoredShape { outline, line, ellipse, colour, gradient, opacity } = stored;
+        let outline = match (outline, &line, &ellipse) {
+            (Some(outline), None, None) => outline,
+            (None, Some(line), None) => match line.fault() {
                 Some(fault) => return Err(fault),
                 None => line.outline().ok_or("a line leads out of range")?,
             },
-            _ => return Err("a shape has either an outline or a line".into()),
+            (None, None, Some(ellipse)) => match ellipse.fault() {
+                Some(fault) => return Err(fault),
+                None => ellipse.outline().ok_or("an ellipse leads out of range")?,
+            },
+            _ => return Err("a shape has an outline, a line or an ellipse".into()),
         };
-        Ok(Self { outline, line, colour, gradient, opacity })
+        Ok(Self { outline, line, ellipse, colour, gradient, opacity })
     }
 }
 
@@ -77,9 +87,10 @@ impl Serialize for Shape {
         let opacity = (self.opacity != opaque()).then_some(self.opacity);
         let count = 2 + usize::from(self.gradient.is_some()) + usize::from(opacity.is_some());
         let mut shape = serializer.serialize_struct("Shape", count)?;
-        match &self.line {
-            Some(line) => shape.serialize_field("line", line)?,
-            None => shape.serialize_field("outline", &self.outline)?,
+        match (&self.line, &self.ellipse) {
+            (Some(line), _) => shape.serialize_field("line", line)?,
+            (None, Some(ellipse)) => shape.serialize_field("ellipse", ellipse)?,
+            (None, None) => shape.serialize_field("outline", &self.outline)?,
         }
         shape.serialize_field("colour", &self.colour)?;
         match &self.gradient {
@@ -97,7 +108,7 @@ impl Serialize for Shape {
 impl Shape {
     /// An opaque filled shape of one colour.
     pub fn new(outline: Outline, colour: Colour) -> Self {
-        Self { outline, line: None, colour, gradient: None, opacity: opaque() }
+        Self { outline, line: None, ellipse: None, colour, gradient: None, opacity: opaque() }
     }
 
     /// An opaque stroked path of one colour; `None` if its outline leaves the permitted coordinates, or its
@@ -107,20 +118,47 @@ impl Shape {
         Some(Self { line: Some(Box::new(line)), ..Self::new(outline, colour) })
     }
 
-    /// The shape with a map that preserves angles applied. The outline stays unchanged if the map leads
-    /// beyond ±10⁷ pixels.
+    /// A soft ellipse of one colour; `None` if its rim leaves the permitted coordinates.
+    pub fn of_ellipse(ellipse: Ellipse, colour: Colour) -> Option<Self> {
+        let outline = ellipse.outline().filter(|_| ellipse.fault().is_none())?;
+        Some(Self { ellipse: Some(Box::new(ellipse)), ..Self::new(outline, colour) })
+    }
+
+    /// Whether it is a soft ellipse, which is seen only within the first shape of its element.
+    pub fn is_soft(&self) -> bool {
+        self.ellipse.is_some()
+    }
+
+    /// The area that it paints, in pixels²; that of a soft ellipse weighed by its opacity.
+    pub fn area(&self) -> f64 {
+        let weight = if self.is_soft() { Ellipse::MEAN_OPACITY } else { 1.0 };
+        self.outline.area() * weight
+    }
+
+    /// The shape with a map that preserves angles applied. The outline stays as it was where the map
+    /// leads beyond ±10⁷ pixels.
     pub fn moved(&self, affine: Affine) -> Self {
         Self {
             outline: self.outline.moved(affine),
             line: self.line.as_ref().and_then(|line| line.moved(affine)).map(Box::new),
+            ellipse: self.ellipse.as_ref().and_then(|ellipse| ellipse.moved(affine)).map(Box::new),
             gradient: self.gradient.as_ref().map(|g| Box::new(g.moved(affine))),
             ..*self
         }
     }
 
-    /// The shape filled, with another outline.
+    /// The soft ellipse whose rim has the moments of an outline; `None` if the outline is degenerate.
+    pub fn soft_along(outline: &Outline, colour: Colour) -> Option<Self> {
+        Self::of_ellipse(Ellipse::of_outline(outline)?, colour)
+    }
+
+    /// The shape filled, with another outline; a soft ellipse becomes the one along it.
     pub fn with_outline(&self, outline: Outline) -> Self {
-        Self { outline, line: None, gradient: self.gradient.clone(), ..*self }
+        let soft = self.ellipse.as_ref().and_then(|_| Self::soft_along(&outline, self.colour));
+        match soft {
+            Some(soft) => Self { opacity: self.opacity, ..soft },
+            None => Self { outline, line: None, ellipse: None, gradient: self.gradient.clone(), ..*self },
+        }
     }
 
     /// The shape with all its colours changed.
@@ -138,6 +176,12 @@ impl Shape {
             return Some(format!("opacity = {} is not within 0 to 1", self.opacity));
         }
         if let Some(fault) = self.line.as_ref().and_then(|line| line.fault()) {
+            return Some(fault);
+        }
+        if self.ellipse.is_some() && self.gradient.is_some() {
+            return Some("a soft ellipse has a gradient".into());
+        }
+        if let Some(fault) = self.ellipse.as_ref().and_then(|ellipse| ellipse.fault()) {
             return Some(fault);
         }
         Some(format!("a gradient {}", self.gradient.as_ref()?.fault()?))

@@ -32,6 +32,29 @@ fn filled_and_stroked_shapes_are_read_as_they_were_written() {
 }
 
 #[test]
+fn soft_ellipses_are_stored_by_their_matrix() {
+    let ellipse = Ellipse { centre: [4.0, 3.0], matrix: [2.0, 0.5, 1.0] };
+    let soft = Shape::of_ellipse(ellipse, Colour([7; 3])).unwrap();
+    let text = serde_json::to_string(&soft).unwrap();
+    assert_eq!(text, r##"{"ellipse":{"centre":[4.0,3.0],"matrix":[2.0,0.5,1.0]},"colour":"#070707"}"##);
+    assert_eq!(again(&soft), soft);
+    // It weighs less than its rim encloses, and is seen on another shape only.
+    let rim = soft.outline.area();
+    assert!((rim - 1.75 * std::f64::consts::PI).abs() < 0.02 && soft.area() < 0.2 * rim);
+    let base = Shape::new(Outline::new(&parse_path("M0 0h8v4h-8z").unwrap()).unwrap(), Colour([1; 3]));
+    assert_eq!(bounds(&[base.clone(), soft.clone()]), base.outline.bounds());
+    assert_eq!(fault(&[base.clone(), soft.clone()]), None);
+    assert!(fault(&[soft.clone(), base]).is_some_and(|f| f.contains("as its first shape")));
+    // Another outline, another ellipse.
+    let twice = soft.with_outline(soft.outline.moved(Affine::scale(2.0)));
+    let matrix = twice.ellipse.unwrap().matrix;
+    assert!(matrix.iter().zip([4.0, 1.0, 2.0]).all(|(a, b)| (a - b).abs() < 0.02), "{matrix:?}");
+    let shaded = r##"{"colour":"#000000","ellipse":{"centre":[0,0],"matrix":[1,0,0]}}"##;
+    let error = serde_json::from_str::<Shape>(shaded).unwrap_err().to_string();
+    assert!(error.contains("semi-axes"), "{error}");
+}
+
+#[test]
 fn the_outline_of_a_line_is_the_area_that_it_paints() {
     let area = |line: Line| Shape::stroked(line, Colour([0; 3])).unwrap().outline.area();
     let plain = Line::new(curve("M0 0h20"), 2.0);
@@ -53,7 +76,7 @@ fn what_is_neither_or_both_is_refused() {
         r##"{"colour":"#000000"}"##,
         r##"{"colour":"#000000","outline":"M0 0h1v1z","line":{"path":"M0 0h1","width":1}}"##,
     ] {
-        assert!(read(text).contains("either an outline or a line"), "{}", read(text));
+        assert!(read(text).contains("an outline, a line or an ellipse"), "{}", read(text));
     }
     let wide = r##"{"colour":"#000000","line":{"path":"M0 0h1","width":-1}}"##;
     assert!(read(wide).contains("the width of a line, -1"), "{}", read(wide));

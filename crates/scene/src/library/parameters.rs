@@ -101,8 +101,10 @@ pub enum Shading {
     Flat,
     /// A linear gradient wherever it fits the photograph better than flat pieces of the same number of
     /// bytes.
-    #[default]
     Gradient,
+    /// Soft ellipses on few pieces, which may have gradients; as with `gradient` where colours or paths are limited.
+    #[default]
+    Soft,
 }
 
 impl Default for AnalyzeParams {
@@ -121,7 +123,7 @@ impl Default for AnalyzeParams {
             background_spacing: 25.0,
             background_margin: 5.0,
             fidelity: 0.5,
-            shading: Shading::Gradient,
+            shading: Shading::Soft,
             colors: 0,
             max_paths: 0,
             cells: 0,

@@ -63,11 +63,11 @@ fn areas(scene: &Scene) -> BTreeMap<[u8; 3], f64> {
     let mut covered = 0.0;
     for instance in scene.instances() {
         let element = scene.element(instance);
-        let details: f64 = element.details().iter().map(|detail| detail.outline.area()).sum();
+        let details: f64 = element.details().iter().map(|detail| detail.area()).sum();
         let area = element.base().outline.area();
         covered += area;
         add(instance.colour.unwrap_or(element.base().colour), area - details);
-        element.details().iter().for_each(|detail| add(detail.colour, detail.outline.area()));
+        element.details().iter().for_each(|detail| add(detail.colour, detail.area()));
     }
     let rest = f64::from(scene.width) * f64::from(scene.height) - covered;
     for field in scene.layers.iter().filter_map(|layer| layer.field.as_ref()) {

@@ -69,7 +69,7 @@ pub(super) fn fused(
         if mask.area() >= DETAILED {
             let Some((x0, y0, x1, y1)) = own.bounds() else { continue };
             let to_map = to_map * placed.to_place;
-            for detail in placed.primary.details() {
+            for detail in placed.primary.details().iter().filter(|detail| !detail.is_soft()) {
                 let b = detail.outline.bounds_after(to_map);
                 let beside = b.x1 < f64::from(x0) || b.x0 > f64::from(x1);
                 if beside || b.y1 < f64::from(y0) || b.y0 > f64::from(y1) {
@@ -102,6 +102,7 @@ pub(super) fn fused(
         placed.painted(detail, moved(&stacked))
     };
     let patches = (2..).zip(&details).map(patch).filter(|p| !p.outline.is_empty());
+    let shading = parts.iter().flat_map(PlacedPart::shading);
     let base = base(&parts, &mask, whole);
     let known = model.element(main.variant);
     let element = Element {
@@ -110,7 +111,7 @@ pub(super) fn fused(
         category: parts[0].primary.category,
         fused: true,
         silhouette: None,
-        shapes: std::iter::once(base).chain(patches).collect(),
+        shapes: std::iter::once(base).chain(patches).chain(shading).collect(),
     };
     Some((element, mask))
 }
@@ -172,6 +173,15 @@ impl<'a> PlacedPart<'a> {
         let way = [0, 1].map(|k| f64::from(part.at[k] - origin[k]));
         let to_place = Affine::new([a, b, c, d, way[0], way[1]]) * Affine::translate((-ox, -oy));
         Self { primary, mask: part.mask.shifted(-origin[0], -origin[1]), to_place }
+    }
+
+    /// The soft ellipses whose centres the part shows.
+    fn shading(&self) -> impl Iterator<Item = Shape> {
+        let soft = self.primary.details().iter().filter(|detail| detail.is_soft());
+        soft.map(|detail| detail.moved(self.to_place)).filter(|detail| {
+            let centre = detail.outline.bounds().center();
+            self.mask.contains(libm::floor(centre.x) as i32, libm::floor(centre.y) as i32)
+        })
     }
 
     /// A shape of the primary with another outline.
