@@ -37,7 +37,7 @@
 //! `()` as the last argument of a stage means that nobody listens to its progress; see [`Progress`].
 
 #[doc(inline)]
-pub use vtex_base::{Error, PROGRAM, Progress, Result};
+pub use vtex_base::{Error, PROGRAM, Parameter, Progress, Result};
 
 /// The library's error type: what went wrong, where, and what to try.
 pub mod error {
@@ -156,13 +156,13 @@ pub mod library {
 /// Measures of the similarity of two pictures of textures; none of them needs a network.
 pub mod metrics {
     #[doc(inline)]
-    pub use vtex_report::metrics::{Metrics, Spread, compare, reduced, scaled};
+    pub use vtex_report::metrics::{Metrics, SCALE, Spread, compare, reduced, scaled};
 }
 
 /// Scene → files: SVG, SVGZ, PDF, PNG; and SVG → pixels.
 pub mod output {
     #[doc(inline)]
-    pub use vtex_output::{CSS_DPI, SceneCategory, categories, coverage, inside};
+    pub use vtex_output::{CSS_DPI, DPI, SceneCategory, categories, coverage, inside};
     /// Files by kind, and safe writing: a file is replaced as a whole or not at all.
     pub mod file {
         #[doc(inline)]

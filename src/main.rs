@@ -18,12 +18,12 @@ fn main() -> ExitCode {
     let arguments: Vec<OsString> = raw_arguments::joined(std::env::args_os().collect());
     let choice = raw_arguments::colour_choice(&arguments);
     choice.as_choice().write_global();
-    let mut command = arguments::command_for(&arguments).color(choice.as_clap());
-    let parsed = command.try_get_matches_from_mut(&arguments);
+    let command = arguments::command_for(&arguments).color(choice.as_clap());
+    let parsed = command.try_get_matches_from(&arguments);
     let parsed = parsed.and_then(|matches| Cli::from_arg_matches(&matches));
     let outcome = match parsed {
         Ok(cli) => panics::guarded(|| run(cli)),
-        Err(e) => return failure::show_usage(&e, &command, &arguments).into(),
+        Err(e) => return failure::show_usage(&e, &arguments).into(),
     };
     match outcome {
         Ok(()) => Exit::Success,

@@ -67,10 +67,9 @@ fn message(error: &Error) -> String {
         Error::Parameter { name, value, allowed } => {
             format!("{} = {value} is out of range: {allowed}", name.replace('-', "_"))
         }
-        Error::Edit { operation, fault: EditFault::Range { name, value, low, high, unit } } => {
+        Error::Edit { operation, fault: EditFault::Range { name, value, allowed } } => {
             let name = field(operation, name);
-            let blank = if unit.is_empty() { "" } else { " " };
-            format!("cannot do '{operation}': {name} = {value} is out of range: {low} to {high}{blank}{unit}")
+            format!("cannot do '{operation}': {name} = {value} is out of range: {allowed}")
         }
         _ => error.to_string(),
     }

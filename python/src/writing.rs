@@ -44,7 +44,7 @@ impl WritingOptions {
             text => Some(css::colour(text).ok_or_else(|| Error::Parameter {
                 name: "background",
                 value: format!("'{}'", text.chars().take(24).collect::<String>()),
-                allowed: "#rrggbb, #rgb, a name of CSS, or none",
+                allowed: "#rrggbb, #rgb, a name of CSS, or none".into(),
             })?),
         };
         Ok(Cow::Owned(scene.clone().with_background(colour)))

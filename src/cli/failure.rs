@@ -51,9 +51,9 @@ pub(crate) const fn label(colour: AnsiColor) -> Style {
 }
 
 /// Prints an error of the argument parser, or the requested help or version.
-pub(crate) fn show_usage(error: &clap::Error, command: &clap::Command, arguments: &[OsString]) -> Exit {
+pub(crate) fn show_usage(error: &clap::Error, arguments: &[OsString]) -> Exit {
     if error.use_stderr() {
-        anstream::eprint!("{}", usage::text(error, command, arguments));
+        anstream::eprint!("{}", usage::text(error, arguments));
         Exit::Usage
     } else {
         let printed = error.print().and_then(|()| std::io::stdout().flush());

@@ -21,18 +21,6 @@ pub(crate) fn of_library(library: &Library) -> Option<&'static str> {
     }
 }
 
-/// The values that the help of an option allows, in brackets at its end before the default.
-pub(crate) fn allowed(help: &str) -> Option<String> {
-    let (_, bracket) = help.trim_end().strip_suffix(']')?.rsplit_once('[')?;
-    let words = bracket.split_whitespace().collect::<Vec<_>>().join(" ");
-    let range = words.split("default:").next()?.trim_end().trim_end_matches([',', ';']).to_owned();
-    match (range.is_empty(), words.as_str()) {
-        (false, _) => Some(range),
-        (true, "default: false" | "default: true") => Some("true or false".into()),
-        (true, _) => None,
-    }
-}
-
 /// Whether a path is a pattern that a shell should have replaced.
 fn is_pattern(path: &Path) -> bool {
     path.to_string_lossy().contains(['*', '?'])
@@ -100,15 +88,6 @@ pub(crate) fn hint(error: &Error) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn what_is_allowed_stands_in_the_help() {
-        let found = |help| allowed(help).unwrap_or_default();
-        assert_eq!(found("Elements [1 to 1000,\n  default: 20]"), "1 to 1000");
-        assert_eq!(found("How [keep, clip or avoid, default: clip]"), "keep, clip or avoid");
-        assert_eq!(found("Mirror [default: false]"), "true or false");
-        assert_eq!((found("[default: 7]"), found("no bracket")), (String::new(), String::new()));
-    }
 
     #[test]
     fn errors_that_options_mend_name_them() {

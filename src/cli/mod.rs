@@ -18,6 +18,7 @@ pub(crate) mod interrupt;
 mod layer_maps;
 mod models;
 mod nearest;
+mod number;
 mod operations;
 mod options;
 pub(crate) mod output;

@@ -6,6 +6,8 @@ use super::command::{Job, Resolved};
 use super::common::Common;
 use super::config::{CommandLineValues, ConfigLayer, Parameters, Top};
 use super::failure::Failure;
+use super::number::within;
+use super::options::global::THREADS;
 use super::values::Seed;
 use vtex::library::AnalyzeParams;
 use vtex::scene::SynthParams;
@@ -67,8 +69,6 @@ fn threads_of_environment() -> Result<Option<u16>, Failure> {
         return Ok(None);
     };
     let text = text.to_string_lossy();
-    match text.parse() {
-        Ok(threads @ 1..=1024) => Ok(Some(threads)),
-        _ => Err(Failure::usage(format!("VTEX_THREADS = {text}: expected 1 to 1024"))),
-    }
+    let refused = |reason| Failure::usage(format!("VTEX_THREADS = {text}: {reason}"));
+    within(THREADS)(&text).map(Some).map_err(refused)
 }

@@ -1,22 +1,16 @@
 //! Values of options with a syntax of their own: canvas sizes, seeds, weights.
 
+use super::number::within;
 use clap::builder::{PossibleValue, TypedValueParser};
-use serde::de::Error as _;
 use serde::de::value::{Error as ValueError, StrDeserializer};
 use serde::de::{DeserializeOwned, IntoDeserializer};
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Serialize, Serializer};
 use std::ffi::OsStr;
 use std::str::FromStr;
+use vtex::Parameter;
 use vtex::output::CSS_DPI;
-use vtex::scene::{Tile, Weights};
-
-/// A value that a configuration file writes as itself or as text.
-#[derive(Deserialize)]
-#[serde(untagged)]
-enum ValueOrText<T> {
-    Value(T),
-    Text(String),
-}
+use vtex::scene::{SynthParams, Tile, Weights};
+use vtex::warp::Bend;
 
 /// `1000` or `1000x600`, in pixels, or lengths such as `300mm` or `3m x 1m`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,12 +30,21 @@ impl Size {
         let [width, height] = millimetres.map(|v| (v / 25.4 * f64::from(dpi)).round() as u32);
         Self { width, height, millimetres: Some(millimetres) }
     }
+
+    /// What a canvas may be, for the help.
+    pub(crate) fn canvas(side: Parameter<u32>) -> String {
+        format!("{side}, at most 400 megapixels, default: {}", side.default())
+    }
 }
 
 impl FromStr for Size {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
+        let expected = || {
+            let range = SynthParams::SIDE;
+            format!("expected 1000 or 1000x600, {range}, or lengths such as 300mm or 3mx1m")
+        };
         let (width, height) = text.split_once(['x', 'X']).unwrap_or((text, text));
         let length = |t: &str| {
             let t = t.trim();
@@ -59,14 +62,11 @@ impl FromStr for Size {
             let t = t.strip_suffix("px").unwrap_or(t);
             let digits = !t.is_empty() && t.bytes().all(|b| b.is_ascii_digit());
             let value = digits.then(|| t.parse::<u32>().ok()).flatten();
-            value.filter(|v| (1..=100_000).contains(v)).ok_or(SIZE_EXPECTED)
+            value.filter(|v| SynthParams::SIDE.allows(*v)).ok_or_else(expected)
         };
         Ok(Self { width: side(width)?, height: side(height)?, millimetres: None })
     }
 }
-
-const SIZE_EXPECTED: &str =
-    "expected 1000 or 1000x600, each 1 to 100000 px, or lengths such as 300mm or 3mx1m";
 
 impl Serialize for Size {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
@@ -74,18 +74,6 @@ impl Serialize for Size {
             Some([width, height]) => serializer.collect_str(&format_args!("{width}mmx{height}mm")),
             None => serializer.collect_str(&format_args!("{}x{}", self.width, self.height)),
         }
-    }
-}
-
-impl<'de> Deserialize<'de> for Size {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let text = match ValueOrText::<u32>::deserialize(deserializer)
-            .map_err(|_| D::Error::custom(SIZE_EXPECTED))?
-        {
-            ValueOrText::Value(side) => side.to_string(),
-            ValueOrText::Text(text) => text,
-        };
-        text.parse().map_err(D::Error::custom)
     }
 }
 
@@ -119,7 +107,7 @@ impl FromStr for Wrap {
             "auto" => Ok(Self::Auto),
             "on" | "true" => Ok(Self::On),
             "off" | "false" => Ok(Self::Off),
-            _ => Err(WRAP_EXPECTED.into()),
+            _ => Err("expected auto, on or off".into()),
         }
     }
 }
@@ -133,17 +121,6 @@ impl Serialize for Wrap {
     }
 }
 
-impl<'de> Deserialize<'de> for Wrap {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        match ValueOrText::<bool>::deserialize(deserializer).map_err(|_| D::Error::custom(WRAP_EXPECTED))? {
-            ValueOrText::Value(wrap) => Ok(if wrap { Self::On } else { Self::Off }),
-            ValueOrText::Text(text) => text.parse().map_err(D::Error::custom),
-        }
-    }
-}
-
-const WRAP_EXPECTED: &str = "expected auto, on or off";
-
 /// `1.5` or `1.5x2`: factors along x and y.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Factors(pub(crate) [f64; 2]);
@@ -153,8 +130,8 @@ impl FromStr for Factors {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let factor = |t: &str| {
-            let value = t.parse().ok().filter(|v| (0.1..=10.0).contains(v));
-            value.ok_or("expected 1.5 or 1.5x2, each 0.1 to 10")
+            let value = t.parse().ok().filter(|v| Bend::FACTORS.allows(*v));
+            value.ok_or_else(|| format!("expected 1.5 or 1.5x2, {}", Bend::FACTORS))
         };
         let (x, y) = text.split_once(['x', 'X']).unwrap_or((text, text));
         Ok(Self([factor(x)?, factor(y)?]))
@@ -165,6 +142,11 @@ impl FromStr for Factors {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Bytes(pub(crate) u64);
 
+impl Bytes {
+    /// How many there may be.
+    pub(crate) const RANGE: Parameter<u64> = Parameter::new("max-bytes", [1, 1_000_000_000_000], "");
+}
+
 impl FromStr for Bytes {
     type Err = String;
 
@@ -173,28 +155,14 @@ impl FromStr for Bytes {
         let units = [("gb", 1e9), ("mb", 1e6), ("kb", 1e3), ("b", 1.0), ("", 1.0)];
         let found = units.iter().find_map(|(unit, size)| Some((text.strip_suffix(unit)?, size)));
         let value = found.and_then(|(number, size)| Some(number.trim_end().parse::<f64>().ok()? * size));
-        let value = value.filter(|v| (1.0..=1e12).contains(v));
-        value.map(|v| Self(v.floor() as u64)).ok_or_else(|| BYTES_EXPECTED.into())
+        let value = value.map(|v| v.floor() as u64).filter(|v| Self::RANGE.allows(*v));
+        value.map(Self).ok_or_else(|| format!("expected 5MB, 800kB or a number of bytes, {}", Self::RANGE))
     }
 }
-
-const BYTES_EXPECTED: &str = "expected 5MB, 800kB or a number of bytes, 1 to 1000000000000";
 
 impl Serialize for Bytes {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.serialize_u64(self.0)
-    }
-}
-
-impl<'de> Deserialize<'de> for Bytes {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let text = match ValueOrText::<u64>::deserialize(deserializer)
-            .map_err(|_| D::Error::custom(BYTES_EXPECTED))?
-        {
-            ValueOrText::Value(number) => number.to_string(),
-            ValueOrText::Text(text) => text,
-        };
-        text.parse().map_err(D::Error::custom)
     }
 }
 
@@ -216,7 +184,7 @@ impl FromStr for Seed {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        text.parse().map(Self).map_err(|_| "expected a whole number, 0 to 18446744073709551615".into())
+        text.parse().map(Self).map_err(|_| format!("expected a whole number, 0 to {}", u64::MAX))
     }
 }
 
@@ -229,19 +197,8 @@ impl Serialize for Seed {
     }
 }
 
-impl<'de> Deserialize<'de> for Seed {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        match ValueOrText::<u64>::deserialize(deserializer).map_err(|_| D::Error::custom(SEED_EXPECTED))? {
-            ValueOrText::Value(number) => Ok(Self(number)),
-            ValueOrText::Text(text) => text.parse().map_err(D::Error::custom),
-        }
-    }
-}
-
-const SEED_EXPECTED: &str = "expected a whole number, 0 to 18446744073709551615";
-
 /// The five weights of the score, in the order of [`Weights`]; `0.5,-0.4,-0.2,-0.5,-0.5`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(transparent)]
 pub(crate) struct FiveWeights(pub(crate) [f64; 5]);
 
@@ -249,9 +206,10 @@ impl FromStr for FiveWeights {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let values: Result<Vec<f64>, _> = text.split(',').map(|t| t.trim().parse()).collect();
+        let list = text.trim_start_matches('[').trim_end_matches(']');
+        let values: Result<Vec<f64>, _> = list.split(',').map(|t| within(Weights::EACH)(t.trim())).collect();
         let five = values.ok().and_then(|v| <[f64; 5]>::try_from(v).ok());
-        five.map(Self).ok_or_else(|| "expected five numbers with commas between".into())
+        five.map(Self).ok_or_else(|| format!("expected five numbers with commas between, {}", Weights::EACH))
     }
 }
 
@@ -271,16 +229,6 @@ impl FromStr for WeightsFrom {
             Ok(name) => Ok(Self::Name(name)),
             Err(_) if text.contains(',') => text.parse().map(Self::Numbers),
             Err(_) => Err("expected five numbers with commas between, or a name".into()),
-        }
-    }
-}
-
-impl<'de> Deserialize<'de> for WeightsFrom {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let expected = |_| D::Error::custom("expected five numbers or a name");
-        match ValueOrText::<FiveWeights>::deserialize(deserializer).map_err(expected)? {
-            ValueOrText::Value(numbers) => Ok(Self::Numbers(numbers)),
-            ValueOrText::Text(text) => text.parse().map_err(D::Error::custom),
         }
     }
 }
@@ -370,12 +318,6 @@ impl Serialize for Axes {
     }
 }
 
-impl<'de> Deserialize<'de> for Axes {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        String::deserialize(deserializer)?.parse().map_err(D::Error::custom)
-    }
-}
-
 /// A parser of values that have names, which completions offer.
 #[derive(Clone)]
 pub(crate) struct OneOf<T> {
@@ -397,7 +339,9 @@ impl<T: Clone + Send + Sync + 'static> TypedValueParser for OneOf<T> {
         argument: Option<&clap::Arg>,
         value: &OsStr,
     ) -> Result<T, clap::Error> {
-        self.parse.parse_ref(command, argument, value)
+        let (names, parse) = (self.names, self.parse);
+        let parse = move |text: &str| parse(text).map_err(|_| one_of_these(names));
+        parse.parse_ref(command, argument, value)
     }
 
     fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
@@ -405,18 +349,20 @@ impl<T: Clone + Send + Sync + 'static> TypedValueParser for OneOf<T> {
     }
 }
 
+/// The message on a value that has none of these names.
+pub(crate) fn one_of_these(names: &[impl AsRef<str>]) -> String {
+    let names: Vec<&str> = names.iter().map(AsRef::as_ref).collect();
+    match names.split_last() {
+        Some((last, [])) => format!("expected {last}"),
+        Some((last, others)) => format!("expected {} or {last}", others.join(", ")),
+        None => String::new(),
+    }
+}
+
 /// A value by its name in files.
 pub(crate) fn named<T: DeserializeOwned>(text: &str) -> Result<T, String> {
     let name: StrDeserializer<'_, ValueError> = text.into_deserializer();
     T::deserialize(name).map_err(|e| e.to_string())
-}
-
-/// The parser of a number in a range, ends included.
-pub(crate) fn between(low: f64, high: f64) -> impl Fn(&str) -> Result<f64, String> + Clone {
-    move |text| {
-        let value = text.parse().ok().filter(|value| (low..=high).contains(value));
-        value.ok_or_else(|| format!("expected a number from {low} to {high}"))
-    }
 }
 
 #[cfg(test)]
@@ -479,7 +425,6 @@ mod tests {
         for good in ["tuned", "a-1_B", "-x"] {
             let weights: WeightsFrom = good.parse().unwrap();
             assert_eq!(serde_json::to_value(&weights).unwrap(), good);
-            assert_eq!(named::<WeightsFrom>(good), Ok(weights));
         }
         for bad in ["7", "-0.5", "a.b", "../a", "a b", "ä", &"a".repeat(65)] {
             assert!(bad.parse::<WeightsFrom>().is_err(), "{bad}");

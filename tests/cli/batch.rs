@@ -129,7 +129,7 @@ fn what_is_wrong_with_the_list_is_told_before_anything_starts() {
     jobs(&format!("{one}threads = 2")).fails(2, "'threads'");
     jobs(&format!("{one}output = '../x'")).fails(2, "output = \"../x\" is not a file name");
     jobs(&format!("{one}output = \"a\\nb\"")).fails(2, "is not a file name");
-    jobs(&format!("{one}format = 'jpg'")).fails(2, "format = \"jpg\": expected one of svg");
+    jobs(&format!("{one}format = 'jpg'")).fails(2, "format = \"jpg\": expected svg");
     jobs(&format!("{one}{one}")).fails(2, "would have the same name, 'photo'");
     jobs("[[job]").fails(2, "cannot read 'jobs.toml'");
     folder.run("batch photo.png photo.lib.json --out-dir out").fails(2, "would have the same name, 'photo'");
@@ -141,7 +141,7 @@ fn what_is_wrong_with_the_list_is_told_before_anything_starts() {
         .fails(2, "an input and a result name the same file");
     folder.run("batch - --out-dir out").fails(2, "standard input");
     folder.run("batch photo.png --out-dir out --shard 3/2").fails(2, "I from 1 to N");
-    folder.run("batch photo.png --out-dir out --format gif").fails(2, "expected one of svg");
+    folder.run("batch photo.png --out-dir out --format gif").fails(2, "expected svg");
     folder.run("batch photo.png").fails(2, "--out-dir");
     std::fs::create_dir(folder.path("empty")).unwrap();
     folder.run("batch empty --out-dir out").fails(2, "there are no pictures in 'empty'");

@@ -54,7 +54,7 @@ fn a_picture_is_redrawn_in_any_texture() {
     folder.run("transfer --onto a.scene.json --appearance photo.lib.json -o 3.svg").fails(1, "a.scene.json");
     folder
         .run("transfer --onto photo.png --appearance photo.lib.json --element-size 1 -o 3.svg")
-        .fails(2, "from 2 to 1000");
+        .fails(2, "expected 2 to 1000 px");
 }
 
 #[test]

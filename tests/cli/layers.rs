@@ -72,7 +72,7 @@ fn layers_are_counted_ordered_and_painted() {
         folder.run(&format!("layers rust.png -o x.png {rest}")).fails(code, message);
         assert!(!folder.path("x.png").exists());
     };
-    refused("--layers 7", 2, "from 1 to 6");
+    refused("--layers 7", 2, "expected auto, or 1 to 6");
     refused("--layers 1", 1, "has a single layer");
     refused("--layers 2 --layer-order 0,2", 2, "layer-order = 0,2 is out of range");
     refused("--layers 2 --layer-map painted.png", 2, "cannot be used with");
@@ -341,7 +341,7 @@ fn painted_layers_take_the_place_of_those_found() {
     for (arguments, code, wanted) in [
         ("--layer-map small.png", 1, "it has 20 x 20 pixels, the photograph 200 x 180"),
         ("--layer-map rust.png", 1, "colours"),
-        ("--layers 7", 2, "expected auto, off, or a number from 1 to 6"),
+        ("--layers 7", 2, "expected auto, off, or 1 to 6"),
         ("--layers 2 --layer-order 0,2", 2, "every layer is listed once"),
         ("--layers 2 --layer-map painted.png", 2, "cannot be used with"),
         ("--save-layers found.txt", 2, ".png, .svg or .json"),

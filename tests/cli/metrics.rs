@@ -66,6 +66,6 @@ fn what_cannot_be_compared_is_told() {
     folder.run("metrics photo.png bad.png").fails(1, "cannot decode 'bad.png'");
     folder.run("metrics none.png photo.png").fails(1, "cannot read 'none.png'");
     folder.run("metrics - -").fails(2, "'-' stands for more than one file");
-    folder.run("metrics photo.png photo.png --scale 0").fails(2, "scale = 0 is out of range: 0.01 to 100");
+    folder.run("metrics photo.png photo.png --scale 0").fails(2, "expected 0.01 to 100");
     folder.run("metrics photo.png photo.png --scale 10").fails(1, "'result' cannot be analysed");
 }

@@ -1,5 +1,6 @@
 //! The library's error type: what went wrong, where, and what to try.
 
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 /// Result of every fallible function of the library.
@@ -91,7 +92,7 @@ pub enum Error {
         /// The value given.
         value: String,
         /// The range allowed.
-        allowed: &'static str,
+        allowed: Cow<'static, str>,
     },
     /// A texture that repeats has no room for whole periods of its lattice.
     #[error("a texture of {width} x {height} px that repeats does not hold whole periods of its lattice{}",
@@ -239,18 +240,14 @@ pub enum Large {
 #[non_exhaustive]
 pub enum EditFault {
     /// A number lies outside its range.
-    #[error("{name} = {value} is out of range: {low} to {high}{}{unit}", if unit.is_empty() { "" } else { " " })]
+    #[error("{name} = {value} is out of range: {allowed}")]
     Range {
         /// The parameter, named as in `vtex edit`.
         name: &'static str,
         /// The value given.
-        value: f64,
-        /// The least allowed.
-        low: f64,
-        /// The most allowed.
-        high: f64,
-        /// Its unit; empty for plain numbers.
-        unit: &'static str,
+        value: String,
+        /// The range allowed.
+        allowed: String,
     },
     /// Thinning is told neither a share nor a smallest area.
     #[error("nothing says how much to keep")]
@@ -388,9 +385,10 @@ pub fn check(
     ok: bool,
     name: &'static str,
     value: impl std::fmt::Display,
-    allowed: &'static str,
+    allowed: impl Into<Cow<'static, str>>,
 ) -> Result<()> {
-    if ok { Ok(()) } else { Err(Error::Parameter { name, value: short(&value.to_string()), allowed }) }
+    let refused = || Error::Parameter { name, value: short(&value.to_string()), allowed: allowed.into() };
+    if ok { Ok(()) } else { Err(refused()) }
 }
 
 /// Does work of another library; what it said, if it panicked.

@@ -9,12 +9,14 @@ pub mod geometry;
 pub mod gzip;
 pub mod kmeans;
 pub mod parallel;
+pub mod parameter;
 pub mod progress;
 pub mod raster;
 pub mod sampling;
 pub mod symmetric;
 
 pub use error::{Error, Result};
+pub use parameter::Parameter;
 pub use progress::Progress;
 
 /// Name and version of this program, as written into its files.

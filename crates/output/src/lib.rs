@@ -29,12 +29,16 @@ mod testing;
 pub use categories::{SceneCategory, categories};
 pub use coverage::{coverage, inside};
 
+use vtex_base::Parameter;
 use vtex_base::document::in_order;
 use vtex_base::error::{Error, Large, Result};
 use vtex_scene::scene::Scene;
 
 /// Pixels per inch in CSS, and in files that do not state their resolution.
 pub const CSS_DPI: u32 = 96;
+
+/// Pixels to the inch of a file.
+pub const DPI: Parameter<u32> = Parameter::new("dpi", [1, 9600], "").or(CSS_DPI);
 
 /// Largest picture drawn, in pixels: 4 GiB of memory.
 const LARGEST_PICTURE: u64 = 1 << 30;

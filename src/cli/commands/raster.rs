@@ -5,6 +5,7 @@ use crate::cli::common::Common;
 use crate::cli::failure::Failure;
 use crate::cli::format;
 use crate::cli::input::{Input, InputKind};
+use crate::cli::number::Takes;
 use crate::cli::options::files::{ForceArgs, check_files, required};
 use crate::cli::output::{Destination, WrittenFile};
 use crate::cli::progress::Reporter;
@@ -39,8 +40,9 @@ pub(crate) struct RasterArgs {
     pub(crate) output: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) force: ForceArgs,
-    /// Size of the result, 1000 or 1000x600 [1 to 16384 px each, default: as the photograph]
+    /// Size of the result, 1000 or 1000x600
     #[arg(long, value_name = "SIZE")]
+    #[arg(takes = format!("1 to {} px each, default: as the photograph", Exemplar::LARGEST_SIDE))]
     pub(crate) size: Option<Size>,
     /// Make it repeat without a seam, along x, y or both axes [none, both, x or y; alone: both;
     /// default: none]

@@ -6,6 +6,7 @@ use crate::cli::config::CommandLineValues;
 use crate::cli::failure::Failure;
 use crate::cli::format;
 use crate::cli::input::{Input, InputKind};
+use crate::cli::number::Takes;
 use crate::cli::options::common;
 use crate::cli::options::files::{ForceArgs, Makes, check_files, outputs, required, targets};
 use crate::cli::options::pattern::{PatternArgs, pattern};
@@ -16,12 +17,15 @@ use crate::cli::progress::Reporter;
 use crate::cli::summary::{ElementCounts, Summary};
 use clap::Args;
 use std::path::PathBuf;
-use vtex::Progress;
 use vtex::library::Library;
 use vtex::output::file::Format;
 use vtex::output::{png, raster_svg};
-use vtex::scene::Scene;
+use vtex::scene::{Scene, SynthParams};
 use vtex::synth::reconstruct;
+use vtex::{Parameter, Progress};
+
+/// Width of a picture.
+const WIDTH: Parameter<u32> = Parameter { unit: "px", default: None, ..SynthParams::SIDE };
 
 const MAKES: Makes = Makes { allowed: format::OF_SCENE, usual: Format::Png, word: "" };
 
@@ -46,9 +50,8 @@ pub(crate) struct RenderArgs {
     /// - writes PNG to stdout; several -o write several files
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Vec<PathBuf>,
-    /// Width of a PNG, where no scale is given [1 to 100000 px, default: as the scale says]
-    #[arg(long, value_name = "PX", conflicts_with = "scale", help_heading = "Output")]
-    #[arg(value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    /// Width of a PNG, where no scale is given
+    #[arg(long, number_or(WIDTH, "as the scale says"), conflicts_with = "scale", help_heading = "Output")]
     pub(crate) width: Option<u32>,
     #[command(flatten)]
     pub(crate) force: ForceArgs,

@@ -5,6 +5,7 @@ use crate::cli::common::Common;
 use crate::cli::failure::Failure;
 use crate::cli::format::weights_path;
 use crate::cli::input::{Input, InputKind};
+use crate::cli::number::Takes;
 use crate::cli::options::files::{ForceArgs, required};
 use crate::cli::output::{Destination, print_json, say};
 use crate::cli::progress::Reporter;
@@ -47,14 +48,14 @@ pub(crate) struct TuneArgs {
 /// How weights are searched.
 #[derive(Args)]
 pub(crate) struct TuneFlags {
-    /// Canvases placed for each set of weights [1 to 100, default: 3]
-    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
-    pub(crate) seeds: Option<u32>,
-    /// Sets of weights tried [10 to 100000, default: 200]
-    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
-    pub(crate) evaluations: Option<u32>,
-    /// Canvas, px: 1000 or 1000x600 [1 to 100000 each, at most 400 megapixels, default: 500]
-    #[arg(long, value_name = "SIZE")]
+    /// Canvases placed for each set of weights
+    #[arg(long, number = TuneParams::SEEDS, default_value_t = TuneParams::SEEDS.default())]
+    pub(crate) seeds: u32,
+    /// Sets of weights tried
+    #[arg(long, number = TuneParams::EVALUATIONS, default_value_t = TuneParams::EVALUATIONS.default())]
+    pub(crate) evaluations: u32,
+    /// Canvas, px: 1000 or 1000x600
+    #[arg(long, value_name = "SIZE", takes = Size::canvas(TuneParams::SIDE))]
     pub(crate) size: Option<Size>,
 }
 
@@ -86,8 +87,8 @@ impl Tuning {
             a.search.size.map_or((defaults.synth.width, defaults.synth.height), |s| (s.width, s.height));
         let parameters = TuneParams {
             synth: SynthParams { width, height, ..synth },
-            seeds: a.search.seeds.unwrap_or(defaults.seeds),
-            evaluations: a.search.evaluations.unwrap_or(defaults.evaluations),
+            seeds: a.search.seeds,
+            evaluations: a.search.evaluations,
         };
         parameters.validate()?;
         let name = a.name.map_or("tuned".into(), |n| n.as_str().to_owned());

@@ -6,6 +6,7 @@ use crate::cli::config::CommandLineValues;
 use crate::cli::failure::Failure;
 use crate::cli::format;
 use crate::cli::input::{Input, InputKind};
+use crate::cli::number::Takes;
 use crate::cli::options::files::{ForceArgs, Makes, check_files, outputs, required, targets};
 use crate::cli::options::render::RenderParameters;
 use crate::cli::options::svg::{SvgFlags, SvgParameters};
@@ -49,8 +50,8 @@ pub(crate) struct WarpArgs {
     /// The cage after: a copy whose points have been moved; its page is the new canvas
     #[arg(long, value_name = "FILE", requires = "cage")]
     pub(crate) to: Option<PathBuf>,
-    /// Stretch the canvas: 1.5 or 1.5x2 [0.1 to 10 each]
-    #[arg(long = "stretch", alias = "scale", value_name = "FACTOR")]
+    /// Stretch the canvas: 1.5 or 1.5x2
+    #[arg(long = "stretch", alias = "scale", value_name = "FACTOR", takes = Bend::FACTORS)]
     pub(crate) scale: Option<Factors>,
     /// At the edge of the new shape keep elements whole, clip them, or avoid it [keep, clip or avoid,
     /// default: as in the scene]

@@ -48,13 +48,6 @@ pub(super) fn value_name(argument: &Arg) -> String {
     argument.get_value_names().into_iter().flatten().map(ToString::to_string).collect()
 }
 
-/// The allowed values of an argument: the end of its help, such as `0 to 1, default: 0.5`.
-fn range(argument: &Arg) -> String {
-    let help = argument.get_help().map(ToString::to_string).unwrap_or_default();
-    let range = help.rsplit_once('[').map(|(_, range)| range.trim_end_matches(']'));
-    range.unwrap_or_default().trim_end_matches(", needed").to_owned()
-}
-
 /// How an operation is written, such as `tint COLOUR [--amount NUMBER] [--share NUMBER]`.
 pub(super) fn usage(verb: &Command) -> String {
     let own = verb.get_arguments().filter(|a| !a.is_global_set());
@@ -80,8 +73,6 @@ pub(super) fn of_parser(error: &clap::Error, verb: &Command) -> Fault {
     };
     let given = context(ContextKind::InvalidArg);
     let plain = given.split(' ').next().unwrap_or_default().trim_matches(['<', '>', '[', ']', '.']);
-    let argument = verb.get_arguments().find(|a| name(a) == plain);
-    let takes = argument.map(range).unwrap_or_default();
     let value = clip(&context(ContextKind::InvalidValue));
     let written = format!("write it as: {}", usage(verb));
     match error.kind() {
@@ -95,9 +86,7 @@ pub(super) fn of_parser(error: &clap::Error, verb: &Command) -> Fault {
             )
         }
         ErrorKind::UnknownArgument => Fault::new(format!("'{}' is one word too many", clip(&given)), written),
-        ErrorKind::InvalidValue if value.is_empty() => {
-            Fault::new(format!("{plain} needs a value"), format!("give {takes}"))
-        }
+        ErrorKind::InvalidValue if value.is_empty() => Fault::new(format!("{plain} needs a value"), written),
         ErrorKind::InvalidValue => {
             let known = match error.get(ContextKind::ValidValue) {
                 Some(ContextValue::Strings(known)) => known.iter().map(String::as_str).collect(),
@@ -109,16 +98,17 @@ pub(super) fn of_parser(error: &clap::Error, verb: &Command) -> Fault {
             )
         }
         ErrorKind::ValueValidation => match error.source() {
-            Some(source) => source.downcast_ref::<Fault>().cloned().unwrap_or_else(|| {
-                Fault::new(format!("{plain} = {value} is {source}"), format!("{plain} takes {takes}"))
-            }),
-            None => Fault::new(format!("{plain} = {value} cannot be"), format!("{plain} takes {takes}")),
+            Some(source) => source
+                .downcast_ref::<Fault>()
+                .cloned()
+                .unwrap_or_else(|| Fault::new(format!("{plain} = {value}: {source}"), example(verb))),
+            None => Fault::new(format!("{plain} = {value} cannot be"), written),
         },
-        ErrorKind::MissingRequiredArgument if takes.is_empty() => {
+        ErrorKind::MissingRequiredArgument if plain.contains('|') => {
             // One of several: clap names them with bars between.
             Fault::new(format!("one of {} is missing", plain.replace('|', ", ")), written)
         }
-        ErrorKind::MissingRequiredArgument => Fault::new(format!("{plain} is missing ({takes})"), written),
+        ErrorKind::MissingRequiredArgument => Fault::new(format!("{plain} is missing"), written),
         ErrorKind::ArgumentConflict => Fault::new(format!("{plain} is given twice"), "give it once"),
         _ => Fault::new("it cannot be understood", written),
     }
@@ -127,17 +117,6 @@ pub(super) fn of_parser(error: &clap::Error, verb: &Command) -> Fault {
 /// The fault that the library finds in an operation.
 pub(super) fn of_operation(fault: &EditFault, verb: &Command) -> Fault {
     let advice = match fault {
-        EditFault::Range { name: wrong, value, .. } => {
-            let is_it = |a: &&Arg| a.get_long() == Some(*wrong) || value_name(a).eq_ignore_ascii_case(wrong);
-            if let Some(argument) = verb.get_arguments().find(is_it) {
-                let (name, range) = (name(argument), range(argument));
-                return Fault::new(
-                    format!("{name} = {value} is out of range: {range}"),
-                    format!("{name} takes {range}"),
-                );
-            }
-            String::new()
-        }
         EditFault::NotForBackground => {
             return Fault::new(
                 format!("'{}' cannot be done to the background", verb.get_name()),

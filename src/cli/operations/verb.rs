@@ -1,31 +1,33 @@
 //! The operations: their words and flags, their help, and the actions that they are.
 
 use super::fault::{self, Fault};
+use crate::cli::number::{Takes, within};
 use crate::cli::values::named;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{ArgAction, ArgGroup, Command, Subcommand};
 use serde::de::DeserializeOwned;
+use vtex::Parameter;
 use vtex::edit::{
     About, Action, ColourOrMap, Direction, Distribution, Jitter, NumberOrMap, OrderBy, ThinOrder, Within,
 };
 use vtex::raster::colour::Colour;
 use vtex::scene::InstanceId;
 
-/// Verbs of operations. Help ends in the allowed values; `after_help` is an example.
+/// Verbs of operations. Help ends in what is allowed; `after_help` is an example.
 #[derive(Debug, Subcommand)]
 pub(super) enum Verb {
     /// Take elements away: the small ones go, and of what is left a share of each layer is kept.
     #[command(after_help = "thin 0.5 --layer secondary")]
     Thin {
-        /// share kept [0 to 1]
-        #[arg(value_name = "KEEP", value_parser = number, allow_negative_numbers = true)]
+        /// share kept
+        #[arg(number = Action::KEEP, value_name = "KEEP")]
         keep: Option<f64>,
         /// which go first: those with the nearest neighbours, so that what is left stays even; any; or
         /// the smallest [blue-noise, random, area, default: blue-noise]
         #[arg(long, value_name = "WORD", value_parser = choice::<ThinOrder>(&["blue-noise", "random", "area"]))]
         order: Option<ThinOrder>,
-        /// smaller elements go, and smaller details of those that stay [0 to 1000000000 px of area]
-        #[arg(long, value_name = "NUMBER", value_parser = number, allow_negative_numbers = true)]
+        /// smaller elements go, and smaller details of those that stay
+        #[arg(long, number = Action::MINIMUM_AREA)]
         min_area: Option<f64>,
     },
     /// Keep each element with the probability of a grey picture where it stands: white all, black none.
@@ -39,12 +41,11 @@ pub(super) enum Verb {
     #[command(after_help = "orient 30 --strength 0.8")]
     Orient {
         /// clockwise from the right: 0 lies, 90 stands; or a grey picture, black 0 to white 180
-        /// [-360 to 360 degrees or a file]
-        #[arg(value_name = "DEGREES", value_parser = direction, allow_negative_numbers = true)]
+        #[arg(value_name = "DEGREES", takes = or_a_file(Action::DEGREES))]
+        #[arg(value_parser = number_or_file(Action::DEGREES, Direction::Angle, Direction::Map))]
         direction: Direction,
-        /// share of the way [0 to 1, default: 1]
-        #[arg(long, value_name = "NUMBER", value_parser = number, allow_negative_numbers = true)]
-        #[arg(default_value = "1")]
+        /// share of the way
+        #[arg(long, number = Action::STRENGTH, default_value_t = Action::STRENGTH.default())]
         strength: f64,
     },
     /// Mix colours with one, in Oklab.
@@ -55,13 +56,11 @@ pub(super) enum Verb {
         /// file]
         #[arg(value_name = "COLOUR", value_parser = colour_or_map)]
         colour: ColourOrMap,
-        /// its share in the mixture [0 to 1, default: 0.5]
-        #[arg(long, value_name = "NUMBER", value_parser = number, allow_negative_numbers = true)]
-        #[arg(default_value = "0.5")]
+        /// its share in the mixture
+        #[arg(long, number = Action::AMOUNT, default_value_t = Action::AMOUNT.default())]
         amount: f64,
-        /// share of the elements tinted, chosen at random [0 to 1, default: 1]
-        #[arg(long, value_name = "NUMBER", value_parser = number, allow_negative_numbers = true)]
-        #[arg(default_value = "1")]
+        /// share of the elements tinted, chosen at random
+        #[arg(long, number = Action::SHARE, default_value_t = Action::SHARE.default())]
         share: f64,
     },
     /// Move colours like one to another, and those less like it less far; shading stays.
@@ -73,10 +72,8 @@ pub(super) enum Verb {
         /// colour that it becomes [#rrggbb, #rgb or a name of CSS, needed]
         #[arg(long, value_name = "COLOUR", value_parser = colour)]
         to: Colour,
-        /// Oklab distance up to which colours are alike; black and white are 1 apart [0.01 to 2, default:
-        /// 0.2]
-        #[arg(long, value_name = "NUMBER", value_parser = number, allow_negative_numbers = true)]
-        #[arg(default_value = "0.2")]
+        /// Oklab distance up to which colours are alike; black and white are 1 apart
+        #[arg(long, number = Action::REACH, default_value_t = Action::REACH.default())]
         reach: f64,
     },
     /// Give the categories, from dark to light, the colours of a palette, from dark to light; shading
@@ -90,21 +87,17 @@ pub(super) enum Verb {
     /// Put a shadow under each element; it falls on what lies below and on nothing above.
     #[command(after_help = "shadow --angle 60 --length 6 --layer primary")]
     Shadow {
-        /// where it falls, clockwise from the right [-360 to 360 degrees, default: 45]
-        #[arg(long, value_name = "NUMBER", value_parser = number, allow_negative_numbers = true)]
-        #[arg(default_value = "45")]
+        /// where it falls, clockwise from the right
+        #[arg(long, number = Action::SHADOW_ANGLE, default_value_t = Action::SHADOW_ANGLE.default())]
         angle: f64,
-        /// how far [0 to 1000 px, default: 5]
-        #[arg(long, value_name = "NUMBER", value_parser = number, allow_negative_numbers = true)]
-        #[arg(default_value = "5")]
+        /// how far
+        #[arg(long, number = Action::SHADOW_LENGTH, default_value_t = Action::SHADOW_LENGTH.default())]
         length: f64,
-        /// how dark; 0 takes shadows away [0 to 1, default: 0.4]
-        #[arg(long, value_name = "NUMBER", value_parser = number, allow_negative_numbers = true)]
-        #[arg(default_value = "0.4")]
+        /// how dark; 0 takes shadows away
+        #[arg(long, number = Action::OPACITY, default_value_t = Action::OPACITY.default())]
         opacity: f64,
-        /// width of its soft edge [0 to 200 px, default: 5]
-        #[arg(long, value_name = "NUMBER", value_parser = number, allow_negative_numbers = true)]
-        #[arg(default_value = "5")]
+        /// width of its soft edge
+        #[arg(long, number = Action::BLUR, default_value_t = Action::BLUR.default())]
         blur: f64,
     },
     /// Drop the details: each element gets the mean of its colours.
@@ -113,15 +106,15 @@ pub(super) enum Verb {
     /// Draw outlines again with fewer points, and drop the details that are smaller than that.
     #[command(after_help = "simplify 1")]
     Simplify {
-        /// how far an outline may move [0.01 to 100 px]
-        #[arg(value_name = "PX", value_parser = number, allow_negative_numbers = true)]
+        /// how far an outline may move
+        #[arg(number = Action::TOLERANCE, value_name = "PX")]
         tolerance: f64,
     },
     /// Draw a line along each element's outline.
     #[command(after_help = "outline 1.5 #202020 --layer primary")]
     Outline {
-        /// width of the line; 0 takes lines away [0 to 1000 px]
-        #[arg(value_name = "WIDTH", value_parser = number, allow_negative_numbers = true)]
+        /// width of the line; 0 takes lines away
+        #[arg(number = Action::WIDTH, value_name = "WIDTH")]
         width: f64,
         /// its colour [#rrggbb, #rgb or a name of CSS]
         #[arg(value_name = "COLOUR", value_parser = colour)]
@@ -138,26 +131,26 @@ pub(super) enum Verb {
     /// Move elements.
     #[command(after_help = "move 20 -5 --where category=3")]
     Move {
-        /// to the right [-1000000 to 1000000 px]
-        #[arg(value_name = "X", value_parser = number, allow_negative_numbers = true)]
+        /// to the right
+        #[arg(number = Action::X, value_name = "X")]
         x: f64,
-        /// down [-1000000 to 1000000 px]
-        #[arg(value_name = "Y", value_parser = number, allow_negative_numbers = true)]
+        /// down
+        #[arg(number = Action::Y, value_name = "Y")]
         y: f64,
     },
     /// Make elements larger or smaller, each about its own centre.
     #[command(after_help = "scale 1.3 --where 'area<200'")]
     Scale {
         /// the factor; or a grey picture, stretched over the canvas: black almost nothing, middle grey as it
-        /// is, white twice [0.01 to 100 or a file]
-        #[arg(value_name = "FACTOR", value_parser = number_or_map, allow_negative_numbers = true)]
+        /// is, white twice
+        #[arg(value_name = "FACTOR", takes = or_a_file(Action::FACTOR), value_parser = or_map(Action::FACTOR))]
         factor: NumberOrMap,
     },
     /// Turn elements, each about its own centre.
     #[command(after_help = "rotate 90 --layer primary")]
     Rotate {
-        /// clockwise; or a grey picture, black 0 to white 360 [-360 to 360 degrees or a file]
-        #[arg(value_name = "DEGREES", value_parser = number_or_map, allow_negative_numbers = true)]
+        /// clockwise; or a grey picture, black 0 to white 360
+        #[arg(value_name = "DEGREES", takes = or_a_file(Action::DEGREES), value_parser = or_map(Action::DEGREES))]
         angle: NumberOrMap,
     },
     /// Scale, turn and move elements in one go, each about its own centre or all about theirs.
@@ -165,17 +158,16 @@ pub(super) enum Verb {
         after_help = "transform --scale 1.5 --rotate 30 --move 20,-5 --about selection --where category=3"
     )]
     Transform {
-        /// to the right, or to the right and down with a comma between [-1000000 to 1000000 px each, default: 0]
-        #[arg(long = "move", value_name = "NUMBER", value_parser = way, allow_hyphen_values = true)]
-        #[arg(default_value = "0")]
+        /// to the right, or to the right and down with a comma between
+        #[arg(long = "move", value_name = "NUMBER", value_parser = pair(Action::WAY, |_| 0.0))]
+        #[arg(takes = format!("{}, default: 0", Action::WAY), default_value = "0", allow_hyphen_values = true)]
         by: Pair,
-        /// the factor, or those along x and y with a comma between [0.01 to 100 each, default: 1]
-        #[arg(long, value_name = "NUMBER", value_parser = factors, allow_hyphen_values = true)]
-        #[arg(default_value = "1")]
+        /// the factor, or those along x and y with a comma between
+        #[arg(long, value_name = "NUMBER", value_parser = pair(Action::FACTORS, |x| x))]
+        #[arg(takes = format!("{}, default: 1", Action::FACTORS), default_value = "1", allow_hyphen_values = true)]
         scale: Pair,
-        /// clockwise, after scaling [-360 to 360 degrees, default: 0]
-        #[arg(long = "rotate", value_name = "NUMBER", value_parser = number, allow_negative_numbers = true)]
-        #[arg(default_value = "0")]
+        /// clockwise, after scaling
+        #[arg(long = "rotate", number = Action::TURN, default_value_t = Action::TURN.default())]
         angle: f64,
         /// the point that stays: the centre of each, or the mean of the centres of all selected
         /// [each, selection, default: each]
@@ -186,45 +178,37 @@ pub(super) enum Verb {
     /// Move, turn, scale, stretch, mirror and recolour each element at random.
     #[command(after_help = "jitter --move 4 --rotate 15 --scale 10 --hue 8 --lightness 5")]
     Jitter {
-        /// at most so far [0 to 1000000 px, default: 0]
-        #[arg(long = "move", value_name = "NUMBER", value_parser = number, allow_negative_numbers = true)]
-        #[arg(default_value = "0")]
+        /// at most so far
+        #[arg(long = "move", number = Jitter::DISTANCE, default_value_t = Jitter::DISTANCE.default())]
         distance: f64,
-        /// at most so much either way [0 to 180 degrees, default: 0]
-        #[arg(long = "rotate", value_name = "NUMBER", value_parser = number, allow_negative_numbers = true)]
-        #[arg(default_value = "0")]
+        /// at most so much either way
+        #[arg(long = "rotate", number = Jitter::ANGLE, default_value_t = Jitter::ANGLE.default())]
         angle: f64,
-        /// at most so much either way [0 to 90 per cent, default: 0]
-        #[arg(long, value_name = "NUMBER", value_parser = number, allow_negative_numbers = true)]
-        #[arg(default_value = "0")]
+        /// at most so much either way
+        #[arg(long, number = Jitter::SCALE, default_value_t = Jitter::SCALE.default())]
         scale: f64,
-        /// the ratio of length to width at most so much either way; areas stay [0 to 90 per cent, default: 0]
-        #[arg(long, value_name = "NUMBER", value_parser = number, allow_negative_numbers = true)]
-        #[arg(default_value = "0")]
+        /// the ratio of length to width at most so much either way; areas stay
+        #[arg(long, number = Jitter::STRETCH, default_value_t = Jitter::STRETCH.default())]
         stretch: f64,
-        /// share of the elements that are mirrored, left to right [0 to 1, default: 0]
-        #[arg(long, value_name = "NUMBER", value_parser = number, allow_negative_numbers = true)]
-        #[arg(default_value = "0")]
+        /// share of the elements that are mirrored, left to right
+        #[arg(long, number = Jitter::FLIP, default_value_t = Jitter::FLIP.default())]
         flip: f64,
-        /// hues turned at most so much either way [0 to 180 degrees, default: 0]
-        #[arg(long, value_name = "NUMBER", value_parser = number, allow_negative_numbers = true)]
-        #[arg(default_value = "0")]
+        /// hues turned at most so much either way
+        #[arg(long, number = Jitter::HUE, default_value_t = Jitter::HUE.default())]
         hue: f64,
-        /// chroma at most so much more or less [0 to 100 per cent, default: 0]
-        #[arg(long, value_name = "NUMBER", value_parser = number, allow_negative_numbers = true)]
-        #[arg(default_value = "0")]
+        /// chroma at most so much more or less
+        #[arg(long, number = Jitter::CHROMA, default_value_t = Jitter::CHROMA.default())]
         chroma: f64,
-        /// lightness at most so much more or less; white is 100 above black [0 to 100 per cent, default: 0]
-        #[arg(long, value_name = "NUMBER", value_parser = number, allow_negative_numbers = true)]
-        #[arg(default_value = "0")]
+        /// lightness at most so much more or less; white is 100 above black
+        #[arg(long, number = Jitter::LIGHTNESS, default_value_t = Jitter::LIGHTNESS.default())]
         lightness: f64,
         /// evenly between the bounds, or normally, with the bounds at two standard deviations
         /// [uniform, normal, default: uniform]
         #[arg(long, value_name = "WORD", value_parser = choice::<Distribution>(&["uniform", "normal"]))]
         #[arg(default_value = "uniform")]
         distribution: Distribution,
-        /// every change is a multiple of the bound divided by this; 0 for any change [0 to 1000, default: 0]
-        #[arg(long, value_name = "NUMBER", allow_negative_numbers = true, default_value = "0")]
+        /// every change is a multiple of the bound divided by this; 0 for any change
+        #[arg(long, number = Jitter::STEPS, default_value_t = Jitter::STEPS.default())]
         steps: u32,
     },
     /// Let appearances, colours and details, change places at random among elements of like size.
@@ -234,9 +218,8 @@ pub(super) enum Verb {
         #[arg(long, value_name = "WORD", value_parser = choice::<Within>(&["layer", "category"]))]
         #[arg(default_value = "layer")]
         within: Within,
-        /// share of the elements that take part [0 to 1, default: 1]
-        #[arg(long, value_name = "NUMBER", value_parser = number, allow_negative_numbers = true)]
-        #[arg(default_value = "1")]
+        /// share of the elements that take part
+        #[arg(long, number = Action::SHARE, default_value_t = Action::SHARE.default())]
         share: f64,
         /// whether outlines stay, or change places too, each fitted to the size and direction of the other
         /// [keep, exchange, default: keep]
@@ -248,11 +231,12 @@ pub(super) enum Verb {
     #[command(after_help = "vary --color 1.5 --shape 0.5 --within category")]
     Vary {
         /// 0 gives all the same median colour, 1 changes nothing, 2 makes them vary twice as much; or a
-        /// grey picture, black 0 to white 2 [0 to 4 or a file]
-        #[arg(long = "color", value_name = "NUMBER", value_parser = number_or_map, allow_negative_numbers = true)]
+        /// grey picture, black 0 to white 2
+        #[arg(long = "color", value_name = "NUMBER", takes = or_a_file(Action::COLOUR))]
+        #[arg(value_parser = or_map(Action::COLOUR))]
         colour: Option<NumberOrMap>,
-        /// as much for size, elongation and direction [0 to 4 or a file]
-        #[arg(long, value_name = "NUMBER", value_parser = number_or_map, allow_negative_numbers = true)]
+        /// as much for size, elongation and direction
+        #[arg(long, value_name = "NUMBER", takes = or_a_file(Action::SHAPE), value_parser = or_map(Action::SHAPE))]
         shape: Option<NumberOrMap>,
         /// one mean for the elements of a layer, or for each category in it [layer, category, default: layer]
         #[arg(long, value_name = "WORD", value_parser = choice::<Within>(&["layer", "category"]))]
@@ -262,16 +246,14 @@ pub(super) enum Verb {
     /// Move elements apart where they are close, so that distances become even.
     #[command(after_help = "relax --rounds 30 --layer secondary")]
     Relax {
-        /// how often they move; it ends sooner if none moves any more [1 to 1000, default: 20]
-        #[arg(long, value_name = "NUMBER", allow_negative_numbers = true, default_value = "20")]
+        /// how often they move; it ends sooner if none moves any more
+        #[arg(long, number = Action::ROUNDS, default_value_t = Action::ROUNDS.default())]
         rounds: u32,
-        /// share of the way each time [0 to 1, default: 0.5]
-        #[arg(long, value_name = "NUMBER", value_parser = number, allow_negative_numbers = true)]
-        #[arg(default_value = "0.5")]
+        /// share of the way each time
+        #[arg(long, number = Action::RELAX_STRENGTH, default_value_t = Action::RELAX_STRENGTH.default())]
         strength: f64,
         /// no centres nearer than this; by default, the distance in a regular lattice of as many elements
-        /// [0 to 1000 px]
-        #[arg(long, value_name = "NUMBER", value_parser = number, allow_negative_numbers = true)]
+        #[arg(long, number = Action::MINIMUM_DISTANCE)]
         min_distance: Option<f64>,
     },
     /// Draw on one element, and it appears on all like it, fitted to their place, size and direction. The
@@ -294,8 +276,8 @@ pub(super) enum Verb {
         #[arg(long, value_name = "ID", value_parser = instance)]
         of: Option<InstanceId>,
         /// alike are elements whose median colours are no further apart in Oklab; by default, those of the
-        /// same category [0 to 2]
-        #[arg(long, value_name = "NUMBER", value_parser = number, allow_negative_numbers = true)]
+        /// same category
+        #[arg(long, number = Action::SIMILAR)]
         similar: Option<f64>,
         /// draw it on what elements show, or in place of that [add, replace, default: add, with --element
         /// replace]
@@ -415,50 +397,45 @@ where
     PossibleValuesParser::new(names.iter().copied()).try_map(|name| named::<T>(&name))
 }
 
-fn number(text: &str) -> Result<f64, String> {
-    text.parse().map_err(|_| "no number".into())
-}
-
 fn instance(text: &str) -> Result<InstanceId, String> {
     let number = text.strip_prefix('p').unwrap_or(text).parse();
-    number.map(InstanceId).map_err(|_| "no id of an element, such as p7".into())
+    number.map(InstanceId).map_err(|_| "expected the id of an element, such as p7".into())
 }
 
 fn file(text: &str) -> Result<String, String> {
-    if text.is_empty() { Err("no name of a file".into()) } else { Ok(text.to_owned()) }
+    if text.is_empty() { Err("expected a file".into()) } else { Ok(text.to_owned()) }
 }
 
-fn direction(text: &str) -> Result<Direction, String> {
-    match text.parse() {
-        Ok(angle) => Ok(Direction::Angle(angle)),
-        Err(_) => file(text).map(Direction::Map),
+fn or_a_file(range: Parameter<f64>) -> String {
+    format!("{range} or a file")
+}
+
+/// The parser of a number in a range, or a file.
+fn number_or_file<T>(
+    range: Parameter<f64>,
+    number: fn(f64) -> T,
+    map: fn(String) -> T,
+) -> impl Fn(&str) -> Result<T, String> + Clone {
+    move |text| match text.parse::<f64>() {
+        Ok(_) => within(range)(text).map(number),
+        Err(_) => file(text).map(map),
     }
+}
+
+/// The parser of a number in a range, or a map of such.
+fn or_map(range: Parameter<f64>) -> impl Fn(&str) -> Result<NumberOrMap, String> + Clone {
+    number_or_file(range, NumberOrMap::Number, NumberOrMap::Map)
 }
 
 /// Numbers along x and y.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pair([f64; 2]);
 
-/// One or two numbers; `second` makes the other of one alone.
-fn pair(text: &str, second: impl Fn(f64) -> f64) -> Result<Pair, String> {
-    match text.split_once(',') {
-        Some((x, y)) => Ok(Pair([number(x.trim())?, number(y.trim())?])),
-        None => number(text).map(|x| Pair([x, second(x)])),
-    }
-}
-
-fn way(text: &str) -> Result<Pair, String> {
-    pair(text, |_| 0.0)
-}
-
-fn factors(text: &str) -> Result<Pair, String> {
-    pair(text, |x| x)
-}
-
-fn number_or_map(text: &str) -> Result<NumberOrMap, String> {
-    match text.parse() {
-        Ok(number) => Ok(NumberOrMap::Number(number)),
-        Err(_) => file(text).map(NumberOrMap::Map),
+/// The parser of one or two numbers in a range; `second` makes the other of one alone.
+fn pair(range: Parameter<f64>, second: fn(f64) -> f64) -> impl Fn(&str) -> Result<Pair, String> + Clone {
+    move |text| match text.split_once(',') {
+        Some((x, y)) => Ok(Pair([within(range)(x.trim())?, within(range)(y.trim())?])),
+        None => within(range)(text).map(|x| Pair([x, second(x)])),
     }
 }
 
@@ -472,5 +449,5 @@ fn colour_or_map(text: &str) -> Result<ColourOrMap, String> {
 
 /// A colour, as the command line reads it.
 fn colour(text: &str) -> Result<Colour, String> {
-    vtex::raster::css::colour(text).ok_or_else(|| "no colour".into())
+    vtex::raster::css::colour(text).ok_or_else(|| "expected #rrggbb, #rgb or a name of CSS".into())
 }

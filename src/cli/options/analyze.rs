@@ -1,13 +1,14 @@
 //! How a photograph is analyzed.
 //!
 //! Options that stand in a configuration file too are `Option`s, so that one given on the command
-//! line is distinguished from a default. Their help names range and default, and a test compares
-//! these with the parameter structs.
+//! line is distinguished from a default. Ranges and defaults of numbers are those of the parameter structs.
 
+use crate::cli::number::{Takes, within};
 use crate::cli::values::{Wrap, named, one_of};
 use clap::{Args, ValueEnum};
 use serde::{Deserialize, Serialize};
-use vtex::library::{Categories, Grouping, Shading};
+use vtex::Parameter;
+use vtex::library::{AnalyzeParams, Categories, Grouping, Shading};
 
 /// The segmenter that finds the masks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, ValueEnum, Serialize, Deserialize)]
@@ -21,6 +22,8 @@ pub(crate) enum SegmenterName {
     Sam,
 }
 
+const MAX_PIXELS: Parameter<u32> = AnalyzeParams::MAX_PIXELS;
+
 /// Section `[analyze]`.
 #[derive(Args, Serialize)]
 #[command(next_help_heading = "Analysis (lengths in pixels of the photograph, as it is analysed)")]
@@ -29,65 +32,61 @@ pub(crate) struct AnalyzeFlags {
     /// felzenszwalb or sam, default: auto]
     #[arg(long, value_name = "NAME", value_enum, hide_possible_values = true, help_heading = "Segmentation")]
     pub(crate) segmenter: Option<SegmenterName>,
-    /// Smallest primary, px of area [1 to 1000000, default: 5]
-    #[arg(long, visible_alias = "min-area", value_name = "PX", allow_negative_numbers = true)]
+    /// Smallest primary
+    #[arg(long, visible_alias = "min-area", number = AnalyzeParams::MINIMUM_AREA)]
     pub(crate) minimum_area: Option<u32>,
-    /// Scale of details: larger means fewer [0 to 10000, default: 10]
-    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    /// Scale of details: larger means fewer
+    #[arg(long, number = AnalyzeParams::DETAIL_SCALE)]
     pub(crate) detail_scale: Option<f64>,
-    /// Smoothing before details are sought, px [0 to 10, default: 0.7]
-    #[arg(long, value_name = "PX", allow_negative_numbers = true)]
+    /// Smoothing before details are sought
+    #[arg(long, number = AnalyzeParams::DETAIL_SIGMA)]
     pub(crate) detail_sigma: Option<f64>,
-    /// Smallest detail, px of area [1 to 10000, default: 3]
-    #[arg(long, value_name = "PX", allow_negative_numbers = true)]
+    /// Smallest detail
+    #[arg(long, number = AnalyzeParams::DETAIL_MINIMUM)]
     pub(crate) detail_minimum: Option<u32>,
-    /// Colour difference within a secondary, a share [0 to 1, default: 0.055]
-    #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
+    /// Colour difference within a secondary, a share
+    #[arg(long, number = AnalyzeParams::SECONDARY_TOLERANCE, value_name = "SHARE")]
     pub(crate) secondary_tolerance: Option<f64>,
-    /// Smallest secondary, px of area [1 to 10000, default: 3]
-    #[arg(long, value_name = "PX", allow_negative_numbers = true)]
+    /// Smallest secondary
+    #[arg(long, number = AnalyzeParams::SECONDARY_MINIMUM)]
     pub(crate) secondary_minimum: Option<u32>,
-    /// Largest secondary, px of area [1 to 100000, default: 300]
-    #[arg(long, value_name = "PX", allow_negative_numbers = true)]
+    /// Largest secondary
+    #[arg(long, number = AnalyzeParams::SECONDARY_MAXIMUM)]
     pub(crate) secondary_maximum: Option<u32>,
-    /// Categories of elements: a number, or as many as there are colours [auto or 1 to 1000,
-    /// default: 15]
-    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    /// Categories of elements: a number, or as many as there are colours
+    #[arg(long, value_name = "NUMBER")]
+    #[arg(takes = format!("auto or {}, default: {}", AnalyzeParams::CATEGORIES, AnalyzeParams::CATEGORIES.default()))]
     pub(crate) categories: Option<Categories>,
-    /// How far an element sees, in mean distances between elements [0.5 to 10,
-    /// default: 2.25]
-    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    /// How far an element sees, in mean distances between elements
+    #[arg(long, number = AnalyzeParams::DESCRIPTOR_REACH)]
     pub(crate) descriptor_reach: Option<f64>,
-    /// Distance between background colours, px [4 to 1000, default: 25]
-    #[arg(long, value_name = "PX", allow_negative_numbers = true)]
+    /// Distance between background colours
+    #[arg(long, number = AnalyzeParams::BACKGROUND_SPACING)]
     pub(crate) background_spacing: Option<f64>,
-    /// Strip around elements that is not background, px [0 to 100,
-    /// default: 5]
-    #[arg(long, value_name = "PX", allow_negative_numbers = true)]
+    /// Strip around elements that is not background
+    #[arg(long, number = AnalyzeParams::BACKGROUND_MARGIN)]
     pub(crate) background_margin: Option<f64>,
-    /// Distance of smooth outlines from the photograph's, px; larger also means fewer shapes [0.05
-    /// to 5, default: 0.5]
-    #[arg(long, value_name = "PX", allow_negative_numbers = true)]
+    /// Distance of smooth outlines from the photograph's; larger also means fewer shapes
+    #[arg(long, number = AnalyzeParams::FIDELITY)]
     pub(crate) fidelity: Option<f64>,
     /// Fill elements with one colour each, with gradients where these tell more, or shade them softly
     /// [flat, gradient or soft, default: soft]
     #[arg(long, value_name = "HOW", hide_possible_values = true)]
     #[arg(value_parser = one_of(&["flat", "gradient", "soft"], named::<Shading>))]
     pub(crate) shading: Option<Shading>,
-    /// Most colours, all flat, the background of a vectorized photograph included; 0: as many as there are [0 to 4096, default: 0]
-    #[arg(long, alias = "colours", value_name = "NUMBER", allow_negative_numbers = true)]
+    /// Most colours, all flat, the background of a vectorized photograph included; 0: as many as there are
+    #[arg(long, alias = "colours", number = AnalyzeParams::COLORS)]
     pub(crate) colors: Option<u32>,
-    /// Most elements and details together; 0: as many as there are [0 to 10000000, default: 0]
-    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    /// Most elements and details together; 0: as many as there are
+    #[arg(long, number = AnalyzeParams::MAX_PATHS)]
     pub(crate) max_paths: Option<u32>,
-    /// Cells along each side of a pixel, on which small shapes are told apart; 0: as fits the
-    /// photograph [0 to 4, default: 0]
-    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    /// Cells along each side of a pixel, on which small shapes are told apart; 0: as fits the photograph
+    #[arg(long, number = AnalyzeParams::CELLS)]
     pub(crate) cells: Option<u32>,
     /// Reduce a larger photograph first, to so many pixels, or to where its elements are some 20 to 80 px
-    /// across; 1.5M is 1500000. Sizes of results stay in the photograph's own pixels [4096 to 4000000000,
-    /// or off, default: 1200000]
-    #[arg(long, value_name = "NUMBER", value_parser = pixel_limit, allow_negative_numbers = true)]
+    /// across; 1.5M is 1500000. Sizes of results stay in the photograph's own pixels
+    #[arg(long, value_name = "NUMBER", value_parser = pixel_limit)]
+    #[arg(takes = format!("{MAX_PIXELS}, or off, default: {}", MAX_PIXELS.default()))]
     pub(crate) max_pixels: Option<u32>,
     /// The exemplar tiles: opposite borders join, and what they cut is one element. auto: where they are
     /// seen to, but for vectorize [auto, on or off; alone: on; default: auto]
@@ -106,9 +105,9 @@ pub(crate) struct AnalyzeFlags {
     #[arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
     #[arg(hide_possible_values = true, help_heading = "Drawings")]
     pub(crate) lenient: Option<bool>,
-    /// Nested layers, such as rust on paint: found if the photograph has them, none, or a number [auto,
-    /// off, or 1 to 6, default: auto]
+    /// Nested layers, such as rust on paint: found if the photograph has them, none, or a number
     #[arg(long, value_name = "COUNT", value_parser = layer_count, help_heading = "Layers of the photograph")]
+    #[arg(takes = format!("auto, off, or {}, default: auto", AnalyzeParams::LAYERS))]
     pub(crate) layers: Option<u32>,
     /// Their order: the layers found, counted from 0 at the bottom, from the new bottom to the new top;
     /// none: that in which layers that are not next to each other touch least [default: none]
@@ -121,17 +120,14 @@ pub(crate) fn layer_count(text: &str) -> Result<u32, String> {
     match text {
         "auto" => Ok(0),
         "off" => Ok(1),
-        number => number
-            .parse()
-            .ok()
-            .filter(|count| (1..=6).contains(count))
-            .ok_or_else(|| "expected auto, off, or a number from 1 to 6".into()),
+        number => within(AnalyzeParams::LAYERS)(number)
+            .map_err(|_| format!("expected auto, off, or {}", AnalyzeParams::LAYERS)),
     }
 }
 
 /// A limit of pixels as the parameters have it: 0 stands for off.
 pub(crate) fn pixel_limit(text: &str) -> Result<u32, String> {
-    let expected = || "expected off, or a number of pixels such as 1500000 or 1.5M".to_owned();
+    let expected = || format!("expected off, or {MAX_PIXELS}, such as 1500000 or 1.5M");
     if text == "off" {
         return Ok(0);
     }
@@ -140,7 +136,7 @@ pub(crate) fn pixel_limit(text: &str) -> Result<u32, String> {
         None => (text, 1.0),
     };
     let value = digits.parse::<f64>().map_err(|_| expected())? * unit;
-    let known = (4096.0..=4e9).contains(&value) && value.fract() == 0.0;
+    let known = value.fract() == 0.0 && MAX_PIXELS.allows(value as u32);
     if known { Ok(value as u32) } else { Err(expected()) }
 }
 

@@ -2,11 +2,15 @@
 
 use crate::cli::failure::Failure;
 use crate::cli::output::Destination;
-use crate::cli::values::{between, named, one_of};
+use crate::cli::values::{named, one_of};
 use clap::builder::TypedValueParser;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
+use vtex::Parameter;
 use vtex::output::file::{FileKind, Format};
+
+/// Number of pictures.
+pub(crate) const FRAMES: Parameter<u32> = Parameter::new("frames", [2, 10_000], "");
 
 /// Formats of frames in a folder.
 #[derive(Clone, Copy, Debug, Deserialize)]
@@ -19,11 +23,6 @@ pub(crate) enum FrameFormat {
 /// The parser of a format of frames.
 pub(crate) fn formats() -> impl TypedValueParser<Value = FrameFormat> {
     one_of(&["svg", "png"], named::<FrameFormat>)
-}
-
-/// The parser of a number of pictures in a second.
-pub(crate) fn rate(text: &str) -> Result<f64, String> {
-    between(0.1, 100.0)(text)
 }
 
 /// Formats of an animation.

@@ -1,21 +1,24 @@
 //! Options of every command.
 
+use crate::cli::number::Takes;
 use crate::cli::values::Seed;
 use clap::{Args, ColorChoice, ValueEnum};
 use std::path::PathBuf;
+use vtex::Parameter;
+
+/// Number of threads.
+pub(crate) const THREADS: Parameter<u16> = Parameter::new("threads", [1, 1024], "");
 
 /// Options of every command.
 #[derive(Args)]
 #[command(next_help_heading = "Global options")]
 pub(crate) struct Global {
-    /// Seed of all random choices [0 to 18446744073709551615, default: one chosen, printed and stored]
-    #[arg(long, global = true, value_name = "NUMBER", allow_negative_numbers = true)]
-    #[arg(help_heading = None::<&'static str>)]
+    /// Seed of all random choices
+    #[arg(long, global = true, value_name = "NUMBER", help_heading = None::<&'static str>)]
+    #[arg(takes = format!("0 to {}, default: one chosen, printed and stored", u64::MAX))]
     pub(crate) seed: Option<Seed>,
-    /// Threads, of all but ONNX Runtime; results do not depend on it [1 to 1024, default:
-    /// $VTEX_THREADS, else all cores]
-    #[arg(short, long, global = true, value_name = "NUMBER", allow_negative_numbers = true)]
-    #[arg(value_parser = clap::value_parser!(u16).range(1..=1024))]
+    /// Threads, of all but ONNX Runtime; results do not depend on it
+    #[arg(short, long, global = true, number_or(THREADS, "$VTEX_THREADS, else all cores"))]
     pub(crate) threads: Option<u16>,
     /// Print nothing but errors
     #[arg(short, long, global = true, conflicts_with = "verbose")]

@@ -33,10 +33,7 @@ pub(crate) struct PresetArgs {
 
 fn preset() -> OneOf<String> {
     const NAMES: [&str; 4] = [PRESETS[0].0, PRESETS[1].0, PRESETS[2].0, PRESETS[3].0];
-    one_of(&NAMES, |text| match NAMES.contains(&text) {
-        true => Ok(text.to_owned()),
-        false => Err("expected draft, default, fine or poster".into()),
-    })
+    one_of(&NAMES, |text| NAMES.contains(&text).then(|| text.to_owned()).ok_or_else(String::new))
 }
 
 impl PresetArgs {

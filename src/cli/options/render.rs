@@ -1,10 +1,11 @@
 //! How a picture is drawn.
 
+use crate::cli::number::Takes;
 use clap::Args;
-use serde::de::Error as _;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Serialize, Serializer};
 use std::str::FromStr;
-use vtex::output::CSS_DPI;
+use vtex::Parameter;
+use vtex::output::DPI;
 use vtex::raster::colour::Colour;
 use vtex::raster::css;
 
@@ -12,11 +13,11 @@ use vtex::raster::css;
 #[derive(Args, Serialize)]
 #[command(next_help_heading = "Output")]
 pub(crate) struct RenderFlags {
-    /// Pixels of a PNG for each pixel of the canvas [0.01 to 100, default: 1]
-    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    /// Pixels of a PNG for each pixel of the canvas
+    #[arg(long, number = RenderParameters::SCALE)]
     pub(crate) scale: Option<f64>,
-    /// Pixels to the inch of an SVG or PDF, and of sizes with units [1 to 9600, default: 96]
-    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    /// Pixels to the inch of an SVG or PDF, and of sizes with units
+    #[arg(long, number = DPI)]
     pub(crate) dpi: Option<u32>,
     /// Background of one colour in place of the exemplar's, or none, so that what is between the elements is
     /// transparent [#rrggbb, #rgb, a name of CSS or none, default: the exemplar's]
@@ -25,26 +26,20 @@ pub(crate) struct RenderFlags {
 }
 
 /// How a picture is drawn.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(crate) struct RenderParameters {
-    /// Pixels for each pixel of the canvas. 0.01 to 100.
+    /// Pixels for each pixel of the canvas.
     pub(crate) scale: f64,
-    /// Pixels to the inch. 1 to 9600.
-    #[serde(default = "css_dpi")]
+    /// Pixels to the inch.
     pub(crate) dpi: u32,
     /// Background between the elements, if not the exemplar's.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) background: Option<BackgroundChoice>,
-}
-
-fn css_dpi() -> u32 {
-    CSS_DPI
 }
 
 impl Default for RenderParameters {
     fn default() -> Self {
-        Self { scale: 1.0, dpi: CSS_DPI, background: None }
+        Self { scale: Self::SCALE.default(), dpi: DPI.default(), background: None }
     }
 }
 
@@ -77,13 +72,9 @@ impl Serialize for BackgroundChoice {
     }
 }
 
-impl<'de> Deserialize<'de> for BackgroundChoice {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        String::deserialize(deserializer)?.parse().map_err(D::Error::custom)
-    }
-}
-
 impl RenderParameters {
+    const SCALE: Parameter<f64> = Parameter::new("scale", [0.01, 100.0], "").or(1.0);
+
     /// A warning if a scale was given but no PNG is `drawn`.
     pub(crate) fn warning(&self, drawn: bool) -> Option<&'static str> {
         let idle = !drawn && self.scale != 1.0;

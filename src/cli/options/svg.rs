@@ -1,8 +1,9 @@
 //! How an SVG is written.
 
+use crate::cli::number::Takes;
 use crate::cli::values::Bytes;
 use clap::Args;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use vtex::library::Library;
 use vtex::output::svg::SvgOptions;
 
@@ -10,8 +11,8 @@ use vtex::output::svg::SvgOptions;
 #[derive(Args, Serialize)]
 #[command(next_help_heading = "Output")]
 pub(crate) struct SvgFlags {
-    /// Decimals of numbers in an SVG [0 to 6, default: 1]
-    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    /// Decimals of numbers in an SVG
+    #[arg(long, number = SvgOptions::PRECISION)]
     pub(crate) precision: Option<u8>,
     /// Write elements in full, not as <symbol> and <use> [default: false]
     #[arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
@@ -22,24 +23,22 @@ pub(crate) struct SvgFlags {
     #[arg(hide_possible_values = true)]
     pub(crate) css: Option<bool>,
     /// Most bytes of an SVG or PDF, as 5MB, 800kB or a number: gives up decimals, then fineness of outlines,
-    /// then what is seen least [1 to 1000000000000, default: no limit]
-    #[arg(long, value_name = "SIZE", allow_negative_numbers = true)]
+    /// then what is seen least
+    #[arg(long, value_name = "SIZE", takes = format!("{}, default: no limit", Bytes::RANGE))]
     pub(crate) max_bytes: Option<Bytes>,
 }
 
 /// How an SVG is written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub(crate) struct SvgParameters {
-    /// Decimals of numbers. 0 to 6.
+    /// Decimals of numbers.
     pub(crate) precision: u8,
     /// Whether every instance is written in full.
     pub(crate) expand: bool,
     /// Whether categories have style rules.
-    #[serde(default)]
     pub(crate) css: bool,
     /// Most bytes of the file, if there is a limit.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) max_bytes: Option<Bytes>,
 }
 

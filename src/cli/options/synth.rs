@@ -1,9 +1,10 @@
 //! How a texture is synthesised.
 
+use crate::cli::number::Takes;
 use crate::cli::values::{Axes, Size, WeightsFrom, named, one_of};
 use clap::Args;
 use serde::Serialize;
-use vtex::scene::{Ablation, Edge, LatticeChoice, Method};
+use vtex::scene::{Ablation, Edge, LatticeChoice, Method, SynthParams, Weights};
 
 const PARTS: [&str; 10] = [
     "secondary",
@@ -22,10 +23,11 @@ const PARTS: [&str; 10] = [
 #[derive(Args, Serialize)]
 #[command(next_help_heading = "Synthesis (lengths in pixels of the canvas)")]
 pub(crate) struct SynthFlags {
-    /// Canvas, px: 1000 or 1000x600 [1 to 100000 each, at most 400 megapixels, default: 1000]
+    /// Canvas, px: 1000 or 1000x600
     ///
     /// Lengths at --dpi will do too: 300mm, 12in, 3mx1m
     #[arg(long, value_name = "SIZE")]
+    #[arg(takes = Size::canvas(SynthParams::SIDE))]
     pub(crate) size: Option<Size>,
     /// How elements are placed: carried from the exemplar along a field of correspondences, which keeps
     /// structure larger than a few elements; one by one by the descriptors of their neighbours; by the
@@ -35,38 +37,37 @@ pub(crate) struct SynthFlags {
     #[arg(value_parser = one_of(&["auto", "correspondence", "descriptor", "period"], named::<Method>))]
     pub(crate) method: Option<Method>,
     /// Share of a periodic drawing's free elements that leave their places: 0 repeats its period exactly
-    /// [0 to 1, default: 0 for a regular drawing, else 1]
-    #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
+    #[arg(long, number_or(SynthParams::VARIATION, "0 for a regular drawing, else 1"), value_name = "SHARE")]
     pub(crate) variation: Option<f64>,
     /// Rows or lattice that the texture keeps to: as found in the exemplar, none, or one or two vectors in its
     /// pixels [auto, off, or AX,AY or AX,AY,BX,BY, default: auto]
     #[arg(long, value_name = "VECTORS", allow_hyphen_values = true)]
     pub(crate) lattice: Option<LatticeChoice>,
-    /// Elements tried for each place, by descriptors [1 to 1000, default: 20]
-    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    /// Elements tried for each place, by descriptors
+    #[arg(long, number = SynthParams::CANDIDATES)]
     pub(crate) candidates: Option<u32>,
-    /// Moves by one cell that may better a placement [0 to 100, default: 5]
-    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    /// Moves by one cell that may better a placement
+    #[arg(long, number = SynthParams::MOVES)]
     pub(crate) moves: Option<u32>,
     /// Weights of target, uncovered, empty, mismatched and same-overlap areas in the score of a
-    /// placement, or the name of weights found by 'vtex tune' [-10 to 10 each,
-    /// default: 0.5,-0.4,-0.2,-0.5,-0.5]
+    /// placement, or the name of weights found by 'vtex tune'
     #[arg(long, value_name = "T,U,E,M,S|NAME", allow_hyphen_values = true)]
+    #[arg(takes = format!("{}, default: 0.5,-0.4,-0.2,-0.5,-0.5", Weights::EACH))]
     pub(crate) weights: Option<WeightsFrom>,
     /// Make it repeat without a seam, along x, y or both axes [none, both, x or y; alone: both;
     /// default: none]
     #[arg(long, value_name = "AXES", num_args = 0..=1, require_equals = true, default_missing_value = "both")]
     #[arg(value_parser = one_of(&Axes::NAMES, str::parse::<Axes>), hide_possible_values = true)]
     pub(crate) tile: Option<Axes>,
-    /// Turn each element by a random angle, at most this many degrees either way [0 to 180, default: 0]
-    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    /// Turn each element by a random angle, at most so much either way
+    #[arg(long, number = SynthParams::ROTATE)]
     pub(crate) rotate: Option<f64>,
     /// Mirror half of the elements [default: false]
     #[arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
     #[arg(hide_possible_values = true)]
     pub(crate) mirror: Option<bool>,
-    /// Change each element's size at random, at most this many per cent either way [0 to 50, default: 0]
-    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    /// Change each element's size at random, at most so much either way
+    #[arg(long, number = SynthParams::SCALE_JITTER)]
     pub(crate) scale_jitter: Option<f64>,
     /// At the edge of a domain keep elements whole, clip them, or avoid it [keep, clip or avoid,
     /// default: clip]
@@ -84,8 +85,7 @@ pub(crate) struct SynthFlags {
 #[derive(Args, Serialize)]
 #[command(next_help_heading = "Synthesis (lengths in pixels of the canvas)")]
 pub(crate) struct SynthBackgroundFlags {
-    /// Distance between background colours, px [4 to 1000, default: as
-    /// in the library]
-    #[arg(long, value_name = "PX", allow_negative_numbers = true)]
+    /// Distance between background colours
+    #[arg(long, number_or(SynthParams::BACKGROUND_SPACING, "as in the library"))]
     pub(crate) background_spacing: Option<f64>,
 }

@@ -2,8 +2,10 @@
 
 use crate::cli::failure::Failure;
 use crate::cli::format::numbered;
+use crate::cli::number::Takes;
 use crate::cli::output::{Destination, Target, Targets};
 use clap::Args;
+use vtex::Parameter;
 use vtex::output::file::Format;
 
 /// Several textures that differ by their seed.
@@ -11,9 +13,8 @@ use vtex::output::file::Format;
 #[command(next_help_heading = "Output")]
 pub(crate) struct VariantsArgs {
     /// Make several textures, of the seed and of those that follow it; files are numbered by seed, as
-    /// out-7.svg [1 to 1000, default: 1]
-    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
-    #[arg(value_parser = clap::value_parser!(u32).range(1..=1000))]
+    /// out-7.svg
+    #[arg(long, number = Parameter::<u32>::new("variants", [1, 1000], "").or(1))]
     pub(crate) variants: Option<u32>,
 }
 

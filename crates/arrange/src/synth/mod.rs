@@ -172,14 +172,18 @@ fn method(libraries: &[Library], params: &SynthParams, controls: &Controls) -> R
         method if led => Err(Error::Parameter {
             name: "method",
             value: format!("{method:?}").to_lowercase(),
-            allowed: "correspondence where a map of layers or a guide leads, which needs a library with a guide \
-                      and no weights or ablation",
+            allowed:
+                "correspondence where a map of layers or a guide leads, which needs a library with a guide \
+                      and no weights or ablation"
+                    .into(),
         }),
         Method::Auto if periodic && plain => Ok(Method::Period),
         Method::Period if !periodic => Err(Error::Parameter {
             name: "method",
             value: "period".into(),
-            allowed: "for one drawing whose borders join, without a map of densities, turned or mirrored elements",
+            allowed:
+                "for one drawing whose borders join, without a map of densities, turned or mirrored elements"
+                    .into(),
         }),
         // Islands would cut a drawing and lose elements along every border.
         Method::Auto if libraries.iter().all(is_drawing) => Ok(Method::Descriptor),

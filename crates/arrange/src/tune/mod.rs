@@ -29,7 +29,8 @@ use crate::synth::primaries_alone;
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use vtex_base::error::{Result, check};
+use vtex_base::Parameter;
+use vtex_base::error::Result;
 use vtex_base::parallel;
 use vtex_base::progress::{Progress, advance};
 use vtex_base::sampling::stream;
@@ -56,18 +57,28 @@ const UNSEEN: u32 = 4;
 #[derive(Clone, Debug, PartialEq)]
 pub struct TuneParams {
     /// How scenes are placed: size, seed, candidates, moves. The weights are those to begin with.
-    /// Default: 500 × 500 pixels, otherwise as [`SynthParams`].
+    /// Default: as [`SynthParams`], but of [`TuneParams::SIDE`].
     pub synth: SynthParams,
-    /// Canvases placed for each set of weights. 1 to 100, default 3.
+    /// Canvases placed for each set of weights.
     pub seeds: u32,
-    /// Sets of weights tried. 10 to 100 000, default 200.
+    /// Sets of weights tried.
     pub evaluations: u32,
+}
+
+/// Ranges, units and defaults of the fields of the same names.
+#[allow(missing_docs)]
+impl TuneParams {
+    /// Of the width and the height of a canvas.
+    pub const SIDE: Parameter<u32> = SynthParams::SIDE.or(500);
+    pub const SEEDS: Parameter<u32> = Parameter::new("seeds", [1, 100], "").or(3);
+    pub const EVALUATIONS: Parameter<u32> = Parameter::new("evaluations", [10, 100_000], "").or(200);
 }
 
 impl Default for TuneParams {
     fn default() -> Self {
-        let synth = SynthParams { width: 500, height: 500, ..SynthParams::default() };
-        Self { synth, seeds: 3, evaluations: 200 }
+        let (width, height) = (Self::SIDE.default(), Self::SIDE.default());
+        let synth = SynthParams { width, height, ..SynthParams::default() };
+        Self { synth, seeds: Self::SEEDS.default(), evaluations: Self::EVALUATIONS.default() }
     }
 }
 
@@ -78,8 +89,8 @@ impl TuneParams {
     /// [`vtex_base::Error::Parameter`] naming the first parameter out of range.
     pub fn validate(&self) -> Result<()> {
         self.synth.validate()?;
-        check((1..=100).contains(&self.seeds), "seeds", self.seeds, "1 to 100")?;
-        check((10..=100_000).contains(&self.evaluations), "evaluations", self.evaluations, "10 to 100000")
+        Self::SEEDS.check(self.seeds)?;
+        Self::EVALUATIONS.check(self.evaluations)
     }
 }
 

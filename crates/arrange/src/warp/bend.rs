@@ -1,7 +1,8 @@
 //! The map from a scene to its warped form.
 
 use kurbo::{ParamCurve, Shape};
-use vtex_base::error::{Result, check};
+use vtex_base::Parameter;
+use vtex_base::error::Result;
 use vtex_base::geometry::{BezPath, Cage, Outline, PathEl, Point};
 use vtex_scene::scene::{Element, Instance, Scene};
 
@@ -22,14 +23,15 @@ enum BendKind {
 }
 
 impl Bend {
-    /// Scales the canvas of `scene` along both axes, 0.1 to 10 times each.
+    /// Factors of [`Bend::scale`].
+    pub const FACTORS: Parameter<f64> = Parameter::new("scale", [0.1, 10.0], "each");
+
+    /// Scales the canvas of `scene` along both axes.
     ///
     /// # Errors
     /// [`vtex_base::Error::Parameter`] for a factor out of range.
     pub fn scale(scene: &Scene, factors: [f64; 2]) -> Result<Self> {
-        for factor in factors {
-            check((0.1..=10.0).contains(&factor), "scale", factor, "0.1 to 10")?;
-        }
+        factors.into_iter().try_for_each(|factor| Self::FACTORS.check(factor))?;
         let side = |size: u32, factor: f64| libm::round(f64::from(size) * factor).max(1.0) as u32;
         let canvas = [side(scene.width, factors[0]), side(scene.height, factors[1])];
         Ok(Self { canvas, how: BendKind::Scaled(factors) })

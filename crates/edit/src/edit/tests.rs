@@ -110,16 +110,18 @@ pub(super) fn one(operation: impl Into<Operation>) -> Scene {
 
 #[test]
 fn what_cannot_be_done_is_a_fault() {
-    use vtex_scene::scene::Shadow;
-    let range = |name, value, [low, high]: [f64; 2], unit| EditFault::Range { name, value, low, high, unit };
+    let range = |name, value: &str, allowed: &str| {
+        let (value, allowed) = (value.into(), allowed.into());
+        EditFault::Range { name, value, allowed }
+    };
     let background = |action| on("background", action);
     let nothing = Action::Thin { keep: None, order: ThinOrder::Area, minimum_area: None };
     let still = Action::Jitter(Jitter::default());
     let large = compare(Quantity::Area, Comparison::More, 3.0);
     for (operation, fault) in [
-        (thin(2.0, ThinOrder::Area).into(), range("keep", 2.0, [0.0, 1.0], "")),
-        (Action::Scale { factor: 0.0.into() }.into(), range("factor", 0.0, [0.01, 100.0], "")),
-        (shadow(0.0, 1.0, 1.0, 201.0).into(), range("blur", 201.0, [0.0, Shadow::WIDEST], "px")),
+        (thin(2.0, ThinOrder::Area).into(), range("keep", "2", "0 to 1")),
+        (Action::Scale { factor: 0.0.into() }.into(), range("factor", "0", "0.01 to 100")),
+        (shadow(0.0, 1.0, 1.0, 201.0).into(), range("blur", "201", "0 to 200 px")),
         (nothing.into(), EditFault::NothingKept),
         (still.into(), EditFault::NothingChanged),
         (background(Action::Flatten), EditFault::NotForBackground),

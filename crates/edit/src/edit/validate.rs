@@ -1,18 +1,9 @@
 //! Validation of operations: ranges, and combinations that are not permitted.
 
+use std::fmt::Display;
+use vtex_base::Parameter;
 use vtex_base::error::EditFault;
-use vtex_scene::scene::{
-    Action, Condition, Direction, Jitter, NumberOrMap, Operation, Quantity, Role, Shadow,
-};
-
-/// Furthest that textons are moved, in pixels.
-const FAR: f64 = 1e6;
-
-/// Least and largest factor of sizes.
-const FACTOR: [f64; 2] = [0.01, 100.0];
-
-/// A number of an operation: its name, itself, its range and unit.
-type Number = (&'static str, f64, [f64; 2], &'static str);
+use vtex_scene::scene::{Action, Condition, Direction, Jitter, NumberOrMap, Operation, Quantity, Role};
 
 /// Checks an operation; [`super::apply`] does so too.
 ///
@@ -20,11 +11,7 @@ type Number = (&'static str, f64, [f64; 2], &'static str);
 /// The first fault: a number out of its range, or a selection that the action is not for.
 pub fn validate(operation: &Operation) -> Result<(), EditFault> {
     let Operation { action, layer, conditions } = operation;
-    for (name, value, [low, high], unit) in numbers(action) {
-        if !(low..=high).contains(&value) {
-            return Err(EditFault::Range { name, value, low, high, unit });
-        }
-    }
+    ranges(action)?;
     match action {
         Action::Thin { keep: None, minimum_area: None | Some(0.0), .. } => {
             return Err(EditFault::NothingKept);
@@ -51,84 +38,79 @@ fn of_place(condition: &Condition) -> bool {
     }
 }
 
-/// The numbers of an action.
-fn numbers(action: &Action) -> Vec<Number> {
-    let share = |name, value| (name, value, [0.0, 1.0], "");
-    let angle = |name, value| (name, value, [-360.0, 360.0], "degrees");
-    let length = |name, value| (name, value, [0.0, 1000.0], "px");
+/// Refuses the first number out of its range.
+fn ranges(action: &Action) -> Result<(), EditFault> {
+    use Action as A;
     match *action {
-        Action::Thin { keep, minimum_area, .. } => {
-            let area = minimum_area.map(|v| ("min-area", v, [0.0, 1e9], "px of area"));
-            keep.map(|v| share("keep", v)).into_iter().chain(area).collect()
+        A::Thin { keep, minimum_area, .. } => {
+            within(A::KEEP, keep).and(within(A::MINIMUM_AREA, minimum_area))
         }
-        Action::Orient { ref direction, strength } => {
-            let towards = match direction {
-                Direction::Angle(degrees) => Some(angle("degrees", *degrees)),
-                Direction::Map(_) => None,
-            };
-            towards.into_iter().chain([share("strength", strength)]).collect()
+        A::Orient { direction: Direction::Angle(degrees), strength } => {
+            within(A::DEGREES, degrees).and(within(A::STRENGTH, strength))
         }
-        Action::Tint { amount, share: some, .. } => vec![share("amount", amount), share("share", some)],
-        Action::Recolor { reach, .. } => vec![("reach", reach, [0.01, 2.0], "")],
-        Action::Shadow { angle: towards, length: far, opacity, blur } => vec![
-            angle("angle", towards),
-            length("length", far),
-            share("opacity", opacity),
-            ("blur", blur, [0.0, Shadow::WIDEST], "px"),
-        ],
-        Action::Simplify { tolerance } => vec![("px", tolerance, [0.01, 100.0], "px")],
-        Action::Outline { width, .. } => vec![length("width", width)],
-        Action::Move { x, y } => vec![("x", x, [-FAR, FAR], "px"), ("y", y, [-FAR, FAR], "px")],
-        Action::Scale { factor: NumberOrMap::Number(factor) } => vec![("factor", factor, FACTOR, "")],
-        Action::Rotate { angle: NumberOrMap::Number(turn) } => vec![angle("degrees", turn)],
-        Action::Transform { by: [x, y], scale: [wide, high], angle: turn, .. } => vec![
-            ("move", x, [-FAR, FAR], "px"),
-            ("move", y, [-FAR, FAR], "px"),
-            ("scale", wide, FACTOR, ""),
-            ("scale", high, FACTOR, ""),
-            angle("rotate", turn),
-        ],
-        Action::Jitter(ref jitter) => of_jitter(jitter),
-        Action::Shuffle { share: some, .. } => vec![share("share", some)],
-        Action::Vary { ref colour, ref shape, .. } => {
-            let pairs = [("color", colour), ("shape", shape)];
-            let number = |(name, number): (_, &Option<NumberOrMap>)| match number {
-                Some(NumberOrMap::Number(factor)) => Some((name, *factor, [0.0, 4.0], "")),
-                _ => None,
-            };
-            pairs.into_iter().filter_map(number).collect()
+        A::Orient { strength, .. } => within(A::STRENGTH, strength),
+        A::Tint { amount, share, .. } => within(A::AMOUNT, amount).and(within(A::SHARE, share)),
+        A::Recolor { reach, .. } => within(A::REACH, reach),
+        A::Shadow { angle, length, opacity, blur } => within(A::SHADOW_ANGLE, angle)
+            .and(within(A::SHADOW_LENGTH, length))
+            .and(within(A::OPACITY, opacity))
+            .and(within(A::BLUR, blur)),
+        A::Simplify { tolerance } => within(A::TOLERANCE, tolerance),
+        A::Outline { width, .. } => within(A::WIDTH, width),
+        A::Move { x, y } => within(A::X, x).and(within(A::Y, y)),
+        A::Scale { factor: NumberOrMap::Number(factor) } => within(A::FACTOR, factor),
+        A::Rotate { angle: NumberOrMap::Number(angle) } => within(A::DEGREES, angle),
+        A::Transform { by: [x, y], scale: [wide, high], angle, .. } => within(A::WAY, x)
+            .and(within(A::WAY, y))
+            .and(within(A::FACTORS, wide))
+            .and(within(A::FACTORS, high))
+            .and(within(A::TURN, angle)),
+        A::Jitter(ref j) => within(Jitter::DISTANCE, j.distance)
+            .and(within(Jitter::ANGLE, j.angle))
+            .and(within(Jitter::SCALE, j.scale))
+            .and(within(Jitter::STRETCH, j.stretch))
+            .and(within(Jitter::FLIP, j.flip))
+            .and(within(Jitter::HUE, j.hue))
+            .and(within(Jitter::CHROMA, j.chroma))
+            .and(within(Jitter::LIGHTNESS, j.lightness))
+            .and(within(Jitter::STEPS, j.steps)),
+        A::Shuffle { share, .. } => within(A::SHARE, share),
+        A::Vary { ref colour, ref shape, .. } => {
+            within(A::COLOUR, number(colour)).and(within(A::SHAPE, number(shape)))
         }
-        Action::Propagate { similar, .. } => {
-            similar.map(|v| ("similar", v, [0.0, 2.0], "")).into_iter().collect()
-        }
-        Action::Relax { rounds, strength, minimum_distance } => {
-            let least = minimum_distance.map(|v| length("min-distance", v));
-            let own = [("rounds", f64::from(rounds), [1.0, 1000.0], ""), share("strength", strength)];
-            own.into_iter().chain(least).collect()
-        }
-        Action::Density { .. }
-        | Action::Scale { .. }
-        | Action::Rotate { .. }
-        | Action::Order { .. }
-        | Action::Palette { .. }
-        | Action::Flatten
-        | Action::Replace { .. }
-        | Action::Delete
-        | Action::Mask { .. } => Vec::new(),
+        A::Propagate { similar, .. } => within(A::SIMILAR, similar),
+        A::Relax { rounds, strength, minimum_distance } => within(A::ROUNDS, rounds)
+            .and(within(A::RELAX_STRENGTH, strength))
+            .and(within(A::MINIMUM_DISTANCE, minimum_distance)),
+        A::Density { .. }
+        | A::Scale { .. }
+        | A::Rotate { .. }
+        | A::Order { .. }
+        | A::Palette { .. }
+        | A::Flatten
+        | A::Replace { .. }
+        | A::Delete
+        | A::Mask { .. } => Ok(()),
     }
 }
 
-/// The numbers of a jitter.
-fn of_jitter(jitter: &Jitter) -> Vec<Number> {
-    vec![
-        ("move", jitter.distance, [0.0, FAR], "px"),
-        ("rotate", jitter.angle, [0.0, 180.0], "degrees"),
-        ("scale", jitter.scale, [0.0, 90.0], "per cent"),
-        ("stretch", jitter.stretch, [0.0, 90.0], "per cent"),
-        ("flip", jitter.flip, [0.0, 1.0], ""),
-        ("hue", jitter.hue, [0.0, 180.0], "degrees"),
-        ("chroma", jitter.chroma, [0.0, 100.0], "per cent"),
-        ("lightness", jitter.lightness, [0.0, 100.0], "per cent"),
-        ("steps", f64::from(jitter.steps), [0.0, 1000.0], ""),
-    ]
+/// The number, if it is none by place.
+fn number(factor: &Option<NumberOrMap>) -> Option<f64> {
+    match factor {
+        Some(NumberOrMap::Number(factor)) => Some(*factor),
+        _ => None,
+    }
+}
+
+/// Refuses a number that is given and out of its range.
+fn within<T: Copy + PartialOrd + Display>(
+    range: Parameter<T>,
+    value: impl Into<Option<T>>,
+) -> Result<(), EditFault> {
+    match value.into() {
+        Some(value) if !range.allows(value) => {
+            Err(EditFault::Range { name: range.name, value: value.to_string(), allowed: range.to_string() })
+        }
+        _ => Ok(()),
+    }
 }

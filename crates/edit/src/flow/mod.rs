@@ -17,7 +17,8 @@ pub use track::Key;
 
 use paths::{Path, Start};
 use std::collections::BTreeSet;
-use vtex_base::error::{Result, check};
+use vtex_base::Parameter;
+use vtex_base::error::Result;
 use vtex_base::geometry::{Affine, Point, Vec2, rotation};
 use vtex_base::parallel;
 use vtex_base::raster::ControlMap;
@@ -40,17 +41,24 @@ pub enum Flow {
 /// Parameters of a flow.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FlowParams {
-    /// Number of rounds of shear and vortex, or of gusts of wind, in a loop. 1 to 100. Default 1.
+    /// Number of rounds of shear and vortex, or of gusts of wind, in a loop.
     pub rounds: u32,
-    /// Factor of the distances of wind and field, 0.01 to 10. Default 1.
+    /// Factor of the distances of wind and field.
     pub strength: f64,
     /// Seed of random choices. Default 0.
     pub seed: u64,
 }
 
+/// Ranges and defaults of the fields of the same names.
+#[allow(missing_docs)]
+impl FlowParams {
+    pub const ROUNDS: Parameter<u32> = Parameter::new("rounds", [1, 100], "").or(1);
+    pub const STRENGTH: Parameter<f64> = Parameter::new("strength", [0.01, 10.0], "").or(1.0);
+}
+
 impl Default for FlowParams {
     fn default() -> Self {
-        Self { rounds: 1, strength: 1.0, seed: 0 }
+        Self { rounds: Self::ROUNDS.default(), strength: Self::STRENGTH.default(), seed: 0 }
     }
 }
 
@@ -70,8 +78,8 @@ impl Flowing {
     /// for a parameter out of range.
     pub fn new(scene: &Scene, flow: &Flow, params: &FlowParams) -> Result<Self> {
         scene.check()?;
-        check((1..=100).contains(&params.rounds), "rounds", params.rounds, "1 to 100")?;
-        check((0.01..=10.0).contains(&params.strength), "strength", params.strength, "0.01 to 10")?;
+        FlowParams::ROUNDS.check(params.rounds)?;
+        FlowParams::STRENGTH.check(params.strength)?;
         let canvas = [f64::from(scene.width), f64::from(scene.height)];
         let (mut scene, originals) = listed(scene, paths::margin(flow, canvas, params));
         scene.tile = Tile::default();

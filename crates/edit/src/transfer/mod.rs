@@ -22,6 +22,7 @@ use crate::edit::draw_as;
 use donors::Donors;
 use means::Means;
 use std::collections::BTreeMap;
+use vtex_base::Parameter;
 use vtex_base::error::{Result, check};
 use vtex_base::geometry::Point;
 use vtex_base::raster::ControlMap;
@@ -36,15 +37,20 @@ use vtex_scene::scene::{
 pub struct TransferParams {
     /// What elements take over. Default: [`TransferMode::Replace`].
     pub mode: TransferMode,
-    /// Factor of the size of elements, 0.01 to 100. Default 1.
+    /// Factor of the size of elements.
     pub scale: f64,
     /// Seed of random choices. Default 0.
     pub seed: u64,
 }
 
+impl TransferParams {
+    /// Factor of the size of elements.
+    pub const SCALE: Parameter<f64> = Parameter::new("scale", [0.01, 100.0], "").or(1.0);
+}
+
 impl Default for TransferParams {
     fn default() -> Self {
-        Self { mode: TransferMode::Replace, scale: 1.0, seed: 0 }
+        Self { mode: TransferMode::Replace, scale: Self::SCALE.default(), seed: 0 }
     }
 }
 
@@ -76,7 +82,7 @@ pub fn transfer(
     for scene in appearances.iter().chain([structure]) {
         scene.check()?;
     }
-    check((0.01..=100.0).contains(&params.scale), "scale", params.scale, "0.01 to 100")?;
+    TransferParams::SCALE.check(params.scale)?;
     let count = appearances.len();
     check(count > 0, "appearance", count, "at least one")?;
     let mapped = shares.len() == count || (count == 1 && shares.is_empty());

@@ -14,7 +14,8 @@ use image::RgbImage;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use vtex_base::error::{Error, Large, Result, check};
+use vtex_base::Parameter;
+use vtex_base::error::{Error, Large, Result};
 use vtex_base::geometry::{Point, Vec2};
 use vtex_base::parallel;
 use vtex_base::raster::blur::{Plane, oklab_planes};
@@ -54,12 +55,12 @@ pub enum Keep {
 /// How a picture is redrawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StylizeParams {
-    /// Longer side of the canvas, in pixels, 32 to 16 384. Default 1000.
+    /// Longer side of the canvas, in pixels.
     pub size: u32,
-    /// Distance of the largest elements, in pixels of the canvas, 2 to 1000; `None`, the default, for a 28th
-    /// of the longer side.
+    /// Distance of the largest elements, in pixels of the canvas; `None`, the default, for a 28th of the longer
+    /// side.
     pub element: Option<f64>,
-    /// Number of levels, 1 to 6. Default 4.
+    /// Number of levels.
     pub levels: u32,
     /// What elements take over from the picture. Default: [`Keep::Color`].
     pub keep: Keep,
@@ -67,14 +68,22 @@ pub struct StylizeParams {
     pub seed: u64,
 }
 
+/// Ranges, units and defaults of the fields of the same names.
+#[allow(missing_docs)]
+impl StylizeParams {
+    pub const SIZE: Parameter<u32> = Parameter::new("size", [32, 16_384], "px").or(1000);
+    /// From 2 pixels, for smaller elements are hardly wider than a pixel.
+    pub const ELEMENT: Parameter<f64> = Parameter::new("element-size", [2.0, 1000.0], "px");
+    pub const LEVELS: Parameter<u32> = Parameter::new("levels", [1, 6], "").or(4);
+}
+
 impl Default for StylizeParams {
     fn default() -> Self {
-        Self { size: 1000, element: None, levels: 4, keep: Keep::Color, seed: 0 }
+        let (size, levels) = (Self::SIZE.default(), Self::LEVELS.default());
+        Self { size, element: None, levels, keep: Keep::Color, seed: 0 }
     }
 }
 
-/// Least distance of elements, in pixels: smaller ones are hardly wider than a pixel.
-const LEAST: f64 = 2.0;
 /// Most control points of the background along the longer side.
 const FINEST_FIELD: f64 = 200.0;
 /// Most places of elements on one level.
@@ -89,13 +98,14 @@ const MOST_PLACES: f64 = 4e6;
 /// none of whose elements has a frame.
 pub fn stylize(picture: &RgbImage, texture: &Scene, params: &StylizeParams) -> Result<Scene> {
     texture.check()?;
-    check((32..=16_384).contains(&params.size), "size", params.size, "32 to 16384 px")?;
-    check((1..=6).contains(&params.levels), "levels", params.levels, "1 to 6")?;
+    StylizeParams::SIZE.check(params.size)?;
+    StylizeParams::LEVELS.check(params.levels)?;
     let [w, h] = [picture.width(), picture.height()].map(f64::from);
     let scale = f64::from(params.size) / w.max(h);
     let canvas = [w, h].map(|v| libm::round(v * scale).max(1.0));
-    let largest = params.element.unwrap_or((f64::from(params.size) / 28.0).max(LEAST));
-    check((LEAST..=1000.0).contains(&largest), "element-size", largest, "2 to 1000 px")?;
+    let largest =
+        params.element.unwrap_or((f64::from(params.size) / 28.0).max(StylizeParams::ELEMENT.range[0]));
+    StylizeParams::ELEMENT.check(largest)?;
     let donors = Donors::new(texture);
     let role = [Role::Primary, Role::Secondary].into_iter().find(|role| donors.has(*role));
     let Some(role) = role else {
@@ -111,7 +121,7 @@ pub fn stylize(picture: &RgbImage, texture: &Scene, params: &StylizeParams) -> R
     let mut distance = largest;
     let mut shown: Option<[Plane; 3]> = None;
     for level in 0..params.levels {
-        if distance < LEAST {
+        if distance < StylizeParams::ELEMENT.range[0] {
             break;
         }
         let places = canvas[0] * canvas[1] / (distance * distance);

@@ -99,7 +99,7 @@ pub fn find(
     progress: &dyn Progress,
 ) -> Result<FoundLayers> {
     if let Count::Fixed(count) = parameters.count {
-        check((1..=MOST_LAYERS).contains(&count), "layers", count, "auto, or 1 to 6")?;
+        check((1..=MOST_LAYERS).contains(&count), "layers", count, format!("auto, or 1 to {MOST_LAYERS}"))?;
     }
     let size = [image.width() as usize, image.height() as usize];
     if elements.is_some_and(|map| [map.width as usize, map.height as usize] != size) {

@@ -20,14 +20,13 @@ mod paint;
 mod tests;
 mod textons;
 
-use super::CSS_DPI;
 use super::background::PreparedBackground;
+use super::{CSS_DPI, DPI};
 use content::ContentStream;
 use file::{File, Ref};
 use std::fmt::Write as _;
 use std::io::{self, Write};
 use textons::PdfTextons;
-use vtex_base::error::check;
 use vtex_base::geometry::{Affine, Outline, Rect, Vec2};
 use vtex_scene::scene::{Layer, Scene};
 
@@ -49,7 +48,7 @@ pub fn write(scene: &Scene, out: impl Write) -> io::Result<u64> {
 /// # Errors
 /// Those of [`write()`], and [`Error::Parameter`] for no pixels.
 pub fn write_at(scene: &Scene, dpi: u32, mut out: impl Write) -> io::Result<u64> {
-    check(dpi > 0, "dpi", dpi, "1 or more")?;
+    DPI.check(dpi)?;
     scene.check()?;
     let bytes = document(scene, dpi)?;
     out.write_all(&bytes)?;

@@ -8,6 +8,7 @@ use palette::AnimationPalette;
 use std::borrow::Cow;
 use std::io::{self, Write};
 use tiny_skia::Pixmap;
+use vtex_base::Parameter;
 use vtex_base::error::{Error, Large, Result, check};
 use vtex_base::parallel;
 
@@ -16,7 +17,7 @@ use vtex_base::parallel;
 pub struct RasterAnimation {
     /// Number of pictures, at least 1.
     pub frames: u32,
-    /// Pictures in a second, 0.1 to 100. GIF counts in hundredths of a second, so its pace is rounded.
+    /// Pictures in a second. GIF counts in hundredths of a second, so its pace is rounded.
     pub rate: f64,
 }
 
@@ -25,9 +26,12 @@ pub struct RasterAnimation {
 const LOOKS: u32 = 5;
 
 impl RasterAnimation {
+    /// Pictures in a second.
+    pub const RATE: Parameter<f64> = Parameter::new("fps", [0.1, 100.0], "").or(15.0);
+
     fn check(&self) -> Result<()> {
         check(self.frames > 0, "frames", self.frames, "at least 1")?;
-        check((0.1..=100.0).contains(&self.rate), "fps", self.rate, "0.1 to 100")
+        Self::RATE.check(self.rate)
     }
 
     /// Writes a GIF with one palette of 256 colours for all frames, so that resting parts do not flicker;

@@ -16,11 +16,11 @@
 use super::layers::{self, LayerGroup};
 use super::number::{HexColour, Number};
 use super::xml::{ViewerLoad, Xml};
-use super::{NamedField, SvgSummary, backgrounds};
+use super::{NamedField, SvgOptions, SvgSummary, backgrounds};
 use crate::background::PreparedBackground;
 use std::fmt::Write as _;
 use std::io::{self, Write};
-use vtex_base::error::check;
+use vtex_base::Parameter;
 use vtex_base::geometry::{Point, Rect, Vec2};
 use vtex_edit::interpolate::{Brush, Interpolation, LayerMotion, Motion, MovingShape};
 use vtex_scene::scene::{Edge, InstanceId, Scene};
@@ -34,6 +34,9 @@ const SMOOTH: [f64; 5] = [0.0, 0.156, 0.5, 0.844, 1.0];
 const STRAIGHT: f64 = 0.6;
 /// Number of moving shapes above which viewers no longer play smoothly.
 pub(super) const MANY_SHAPES: usize = 5000;
+
+/// Seconds that an animation plays.
+pub(super) const SECONDS: Parameter<f64> = Parameter::new("seconds", [0.01, 1e5], "");
 
 /// Parameters of an animation, which plays in a loop.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,8 +55,8 @@ pub struct Animation {
 /// # Errors
 /// A parameter out of range; a failing writer.
 pub fn write_animation(way: &Interpolation, options: &Animation, out: impl Write) -> io::Result<SvgSummary> {
-    check(options.precision <= 6, "precision", options.precision, "0 to 6 digits")?;
-    check((0.01..=1e5).contains(&options.seconds), "seconds", options.seconds, "0.01 to 100000")?;
+    SvgOptions::PRECISION.check(options.precision)?;
+    SECONDS.check(options.seconds)?;
     let motions = way.motions();
     let writer =
         AnimationWriter { scenes: way.scenes(), domain: way.domain_motion(), precision: options.precision };

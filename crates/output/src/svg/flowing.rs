@@ -5,13 +5,12 @@
 //! group. Programs without support for animation show the scene at rest. Shadows move and turn with their
 //! elements. Style rules are not used, because browsers make a layer of everything that one moves.
 
-use super::animation::MANY_SHAPES;
+use super::animation::{MANY_SHAPES, SECONDS};
 use super::number::{Number, list};
 use super::xml::Xml;
 use super::{Document, SvgOptions, SvgSummary, summed};
 use std::collections::BTreeMap;
 use std::io::{self, Write};
-use vtex_base::error::check;
 use vtex_edit::flow::{Flowing, Key};
 use vtex_scene::scene::{Instance, InstanceId, Scene};
 
@@ -29,7 +28,7 @@ pub fn write_flow(
     options: &SvgOptions,
     out: impl Write,
 ) -> io::Result<SvgSummary> {
-    check((0.01..=1e5).contains(&seconds), "seconds", seconds, "0.01 to 100000")?;
+    SECONDS.check(seconds)?;
     let scene = flowing.scene();
     let precision = options.precision;
     let rounds = flowing.rounds();

@@ -41,15 +41,16 @@ mod xml;
 pub use animation::{Animation, write_animation};
 pub use flowing::write_flow;
 
-use super::CSS_DPI;
 use super::background::PreparedBackground;
 use super::categories::{SceneCategory, class};
+use super::{CSS_DPI, DPI};
 use flowing::{DocumentMotion, Way, at_origin};
 use layers::LayerGroup;
 use number::{HexColour, Number};
 use std::io::{self, Write};
 use textons::SvgTextons;
-use vtex_base::error::{Error, Result, check};
+use vtex_base::Parameter;
+use vtex_base::error::{Error, Result};
 use vtex_base::geometry::Vec2;
 use vtex_scene::scene::{Instance, Scene};
 use xml::{ViewerLoad, Xml};
@@ -77,8 +78,8 @@ const MANY_REFERENCES: u64 = 500_000;
 /// How an SVG is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SvgOptions {
-    /// Digits after the decimal point of coordinates, 0 to 6. Default 1: a twentieth of a pixel at most is
-    /// far below the fidelity of outlines. With 2 outlines are exact, because their grid is 0.01 px.
+    /// Digits after the decimal point of coordinates. With the default, 1, they are off by a twentieth of a pixel
+    /// at most, far below the fidelity of outlines. With 2 outlines are exact, because their grid is 0.01 px.
     pub precision: u8,
     /// Write every texton as plain paths in place, without `<symbol>`, `<use>` and transforms, for programs
     /// that support none of these. Default false.
@@ -86,6 +87,11 @@ pub struct SvgOptions {
     /// Write a style rule for each category, with custom properties that shift its hue and lightness.
     /// Default false.
     pub css: bool,
+}
+
+impl SvgOptions {
+    /// Digits after the decimal point of coordinates.
+    pub const PRECISION: Parameter<u8> = Parameter::new("precision", [0, 6], "").or(1);
 }
 
 impl Default for SvgOptions {
@@ -143,7 +149,7 @@ pub fn write_at(
     dpi: u32,
     out: impl Write,
 ) -> io::Result<SvgSummary> {
-    check(dpi > 0, "dpi", dpi, "1 or more")?;
+    DPI.check(dpi)?;
     let document = Document { recipe, dpi, ..Document::new(scene, options, 0.0)? };
     summed(document.textons.shared_count(), out, |xml| document.write(xml))
 }
@@ -223,7 +229,7 @@ struct Document<'a> {
 
 impl<'a> Document<'a> {
     fn new(scene: &'a Scene, options: &SvgOptions, bleed: f64) -> Result<Self> {
-        check(options.precision <= 6, "precision", options.precision, "0 to 6 digits")?;
+        SvgOptions::PRECISION.check(options.precision)?;
         scene.check()?;
         let categories = crate::categories(scene);
         let textons = SvgTextons::new(scene, &categories, options, bleed);

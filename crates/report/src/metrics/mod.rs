@@ -28,7 +28,8 @@ use image::RgbImage;
 use plane::Channel;
 use serde::Serialize;
 pub use structure::Spread;
-use vtex_base::error::{Error, Large, Result, check};
+use vtex_base::Parameter;
+use vtex_base::error::{Error, Large, Result};
 use vtex_base::progress::{Progress, advance};
 use vtex_base::raster::{Filter, resized};
 
@@ -163,14 +164,17 @@ pub fn compare(exemplar: &RgbImage, result: &RgbImage, progress: &dyn Progress) 
     })
 }
 
+/// How many times as large as the exemplar a picture shows the texture.
+pub const SCALE: Parameter<f64> = Parameter::new("scale", [0.01, 100.0], "").or(1.0);
+
 /// Resamples a picture that shows the texture `scale` times as large as the exemplar to the
-/// exemplar's scale, by a Lanczos filter. `scale` is 0.01 to 100.
+/// exemplar's scale, by a Lanczos filter.
 ///
 /// # Errors
 /// [`Error::Parameter`] for a scale out of range; [`Error::TooLarge`] if the result would have more
 /// than 6 million pixels.
 pub fn scaled(image: RgbImage, scale: f64) -> Result<RgbImage> {
-    check((0.01..=100.0).contains(&scale), "scale", scale, "0.01 to 100")?;
+    SCALE.check(scale)?;
     if scale == 1.0 {
         return Ok(image);
     }

@@ -52,7 +52,7 @@ impl Lattice {
             Some(_) => Err(Error::Parameter {
                 name: "lattice",
                 value: vectors.iter().flatten().map(f64::to_string).collect::<Vec<_>>().join(","),
-                allowed: "one or two vectors of at least 4 pixels, in different directions",
+                allowed: "one or two vectors of at least 4 pixels, in different directions".into(),
             }),
         }
     }

@@ -1,5 +1,6 @@
 //! The number of categories of primaries.
 
+use super::AnalyzeParams;
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::de::{Error, Visitor};
@@ -12,11 +13,13 @@ use std::str::FromStr;
 pub enum Categories {
     /// The smallest number, up to [`Categories::MOST_BY_COLOUR`], for which members have similar colours.
     Auto,
-    /// This number, 1 to 1000; fewer where there are fewer different primaries.
+    /// This number; fewer where there are fewer different primaries.
     AtMost(u32),
 }
 
-const EXPECTED: &str = "expected auto or a number from 1 to 1000";
+fn expected() -> String {
+    format!("auto or {}", AnalyzeParams::CATEGORIES)
+}
 
 impl Categories {
     /// Most categories that [`Categories::Auto`] makes.
@@ -30,18 +33,19 @@ impl Categories {
         }
     }
 
-    fn checked(number: u64) -> Result<Self, &'static str> {
-        if (1..=1000).contains(&number) { Ok(Self::AtMost(number as u32)) } else { Err(EXPECTED) }
+    fn checked(number: Option<u32>) -> Result<Self, String> {
+        let known = number.filter(|number| AnalyzeParams::CATEGORIES.allows(*number));
+        known.map(Self::AtMost).ok_or_else(|| format!("expected {}", expected()))
     }
 }
 
 impl FromStr for Categories {
-    type Err = &'static str;
+    type Err = String;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         match text {
             "auto" => Ok(Self::Auto),
-            _ => Self::checked(text.parse().map_err(|_| EXPECTED)?),
+            _ => Self::checked(text.parse().ok()),
         }
     }
 }
@@ -71,15 +75,15 @@ impl<'de> Deserialize<'de> for Categories {
             type Value = Categories;
 
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str(EXPECTED.trim_start_matches("expected "))
+                f.write_str(&expected())
             }
 
             fn visit_u64<E: Error>(self, number: u64) -> Result<Categories, E> {
-                Categories::checked(number).map_err(E::custom)
+                Categories::checked(number.try_into().ok()).map_err(E::custom)
             }
 
             fn visit_i64<E: Error>(self, number: i64) -> Result<Categories, E> {
-                Categories::checked(number.try_into().unwrap_or(0)).map_err(E::custom)
+                Categories::checked(number.try_into().ok()).map_err(E::custom)
             }
 
             fn visit_str<E: Error>(self, text: &str) -> Result<Categories, E> {
@@ -97,9 +101,10 @@ impl JsonSchema for Categories {
     }
 
     fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+        let [low, high] = AnalyzeParams::CATEGORIES.range;
         schemars::json_schema!({
             "description": "How many categories primaries are divided into: a number, or `auto`.",
-            "anyOf": [{"type": "integer", "minimum": 1, "maximum": 1000}, {"const": "auto"}]
+            "anyOf": [{"type": "integer", "minimum": low, "maximum": high}, {"const": "auto"}]
         })
     }
 }
@@ -117,7 +122,7 @@ mod tests {
         }
         for wrong in ["0", "1001", "-1", "2.5", "\"many\"", "null"] {
             let message = serde_json::from_str::<Categories>(wrong).unwrap_err().to_string();
-            assert!(message.contains("auto or a number from 1 to 1000"), "{message}");
+            assert!(message.contains("auto or 1 to 1000"), "{message}");
         }
     }
 }

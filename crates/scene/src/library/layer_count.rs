@@ -1,6 +1,7 @@
 //! A number of layers in JSON: `auto`, `off`, or a number.
 
-use serde::de::{Error, Visitor};
+use super::AnalyzeParams;
+use serde::de::{Error, Unexpected, Visitor};
 use serde::{Deserializer, Serializer};
 use std::fmt;
 
@@ -16,7 +17,7 @@ pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<
         type Value = u32;
 
         fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-            f.write_str("auto, off, or a number from 1 to 6")
+            write!(f, "auto, off, or {}", AnalyzeParams::LAYERS)
         }
 
         fn visit_u64<E: Error>(self, number: u64) -> Result<u32, E> {
@@ -31,7 +32,7 @@ pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<
             match text {
                 "auto" => Ok(0),
                 "off" => Ok(1),
-                _ => Err(E::custom("expected auto, off, or a number from 1 to 6")),
+                _ => Err(E::invalid_value(Unexpected::Str(text), &self)),
             }
         }
     }
@@ -43,7 +44,7 @@ pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<
 pub(super) fn schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
     schemars::json_schema!({
         "anyOf": [
-            {"type": "integer", "minimum": 0, "maximum": 6},
+            {"type": "integer", "minimum": 0, "maximum": AnalyzeParams::LAYERS.range[1]},
             {"const": "auto"},
             {"const": "off"}
         ]

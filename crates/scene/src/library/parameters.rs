@@ -5,64 +5,79 @@ use super::{layer_count, pixel_limit};
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use vtex_base::Parameter;
 use vtex_base::error::{Result, check};
 
 /// Parameters of analysis. Lengths are in pixels of the exemplar as it is analysed, after a reduction to
-/// `max_pixels`; areas in square pixels.
+/// `max_pixels`; areas in square pixels. Ranges and defaults of numbers are constants, such as
+/// [`AnalyzeParams::FIDELITY`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct AnalyzeParams {
     /// Seed of all random choices. Default 0.
     pub seed: u64,
-    /// Area of the smallest primary. 1 to 1 000 000, default 5.
+    /// Area of the smallest primary.
+    #[cfg_attr(feature = "schema", schemars(transform = Self::MINIMUM_AREA.limits()))]
     pub minimum_area: u32,
-    /// Scale of the detail segmentation: a larger scale gives fewer details. 0 to 10 000, default 10.
+    /// Scale of the detail segmentation: a larger scale gives fewer details.
+    #[cfg_attr(feature = "schema", schemars(transform = Self::DETAIL_SCALE.limits()))]
     pub detail_scale: f64,
-    /// Standard deviation of the smoothing before the detail segmentation. 0 to 10, default 0.7.
+    /// Standard deviation of the smoothing before the detail segmentation.
+    #[cfg_attr(feature = "schema", schemars(transform = Self::DETAIL_SIGMA.limits()))]
     pub detail_sigma: f64,
-    /// Area of the smallest detail. 1 to 10 000, default 3.
+    /// Area of the smallest detail.
+    #[cfg_attr(feature = "schema", schemars(transform = Self::DETAIL_MINIMUM.limits()))]
     pub detail_minimum: u32,
-    /// Largest RGB distance of a secondary's pixels to its seed, as a share of the range. 0 to 1, default
-    /// 0.055. The paper's program uses 0.1, which loses the finest grain.
+    /// Largest RGB distance of a secondary's pixels to its seed, as a share of the range. The
+    /// paper's program uses 0.1, which loses the finest grain.
+    #[cfg_attr(feature = "schema", schemars(transform = Self::SECONDARY_TOLERANCE.limits()))]
     pub secondary_tolerance: f64,
-    /// Area of the smallest secondary. 1 to 10 000, default 3.
+    /// Area of the smallest secondary.
+    #[cfg_attr(feature = "schema", schemars(transform = Self::SECONDARY_MINIMUM.limits()))]
     pub secondary_minimum: u32,
-    /// Area of the largest secondary. 1 to 100 000, default 300.
+    /// Area of the largest secondary.
+    #[cfg_attr(feature = "schema", schemars(transform = Self::SECONDARY_MAXIMUM.limits()))]
     pub secondary_maximum: u32,
-    /// Number of categories of primaries. 1 to 1000, default 15.
+    /// Number of categories of primaries.
     pub categories: Categories,
-    /// Half the side of descriptors, in mean distances between neighbours. 0.5 to 10, default 2.25.
+    /// Half the side of descriptors, in mean distances between neighbours.
+    #[cfg_attr(feature = "schema", schemars(transform = Self::DESCRIPTOR_REACH.limits()))]
     pub descriptor_reach: f64,
-    /// Distance between background sites. 4 to 1000, default 25.
+    /// Distance between background sites.
+    #[cfg_attr(feature = "schema", schemars(transform = Self::BACKGROUND_SPACING.limits()))]
     pub background_spacing: f64,
-    /// Width of the strip around textons that is excluded from the background. 0 to 100, default 5.
+    /// Width of the strip around textons that is excluded from the background.
+    #[cfg_attr(feature = "schema", schemars(transform = Self::BACKGROUND_MARGIN.limits()))]
     pub background_margin: f64,
     /// Fit tolerance: the largest distance between a fitted outline and the traced border. A larger one
-    /// also allows more colour error per byte. 0.05 to 5, default 0.5.
+    /// also allows more colour error per byte.
+    #[cfg_attr(feature = "schema", schemars(transform = Self::FIDELITY.limits()))]
     pub fidelity: f64,
     /// Fills of details and primaries. Default gradients.
     pub shading: Shading,
     /// Largest number of colours of primaries, details and secondaries, which then have flat fills. 0
-    /// (the default) for no limit, up to 4096.
+    /// for no limit.
+    #[cfg_attr(feature = "schema", schemars(transform = Self::COLORS.limits()))]
     pub colors: u32,
     /// Largest number of primaries, details and secondaries together. The least visible ones are joined
-    /// or left out. 0 (the default) for no limit, up to 10 000 000.
+    /// or left out. 0 for no limit.
+    #[cfg_attr(feature = "schema", schemars(transform = Self::MAX_PATHS.limits()))]
     pub max_paths: u32,
-    /// Cells along each side of a pixel, for separating details and secondaries and for tracing. 1 to 4,
-    /// or 0 (the default) for 2 up to 2.5 million pixels and 1 above.
+    /// Cells along each side of a pixel, for separating details and secondaries and for tracing. 0 for
+    /// 2 up to 2.5 million pixels and 1 above.
+    #[cfg_attr(feature = "schema", schemars(transform = Self::CELLS.limits()))]
     pub cells: u32,
     /// Number of pixels above which a photograph is reduced before it is analysed, to this number or to where
-    /// its elements are some 20 to 80 pixels across. 4096 to 4 000 000 000, or 0 for no limit, written as
-    /// `off`. Default 1 200 000.
+    /// its elements are some 20 to 80 pixels across. 0 for no limit, written as `off`.
     #[serde(with = "pixel_limit")]
     #[cfg_attr(feature = "schema", schemars(schema_with = "pixel_limit::schema"))]
     pub max_pixels: u32,
     /// Whether the exemplar tiles, that is, its opposite borders join. The parts of an element that a border
     /// cuts are then one element. Default false; `vtex::analyze::borders_join` tests it.
     pub wrap: bool,
-    /// Number of nested layers, such as rust on paint. 1 to 6, or 0 (the default) for one to three, by the
-    /// photograph, written as `auto`.
+    /// Number of nested layers, such as rust on paint. 0 (the default) for one to three, by the photograph,
+    /// written as `auto`.
     #[serde(with = "layer_count")]
     #[cfg_attr(feature = "schema", schemars(schema_with = "layer_count::schema"))]
     pub layers: u32,
@@ -107,27 +122,57 @@ pub enum Shading {
     Soft,
 }
 
+/// Ranges, units and defaults of the fields of the same names.
+#[allow(missing_docs)]
+impl AnalyzeParams {
+    pub const MINIMUM_AREA: Parameter<u32> =
+        Parameter::new("minimum-area", [1, 1_000_000], "px of area").or(5);
+    pub const DETAIL_SCALE: Parameter<f64> = Parameter::new("detail-scale", [0.0, 10_000.0], "").or(10.0);
+    pub const DETAIL_SIGMA: Parameter<f64> = Parameter::new("detail-sigma", [0.0, 10.0], "px").or(0.7);
+    pub const DETAIL_MINIMUM: Parameter<u32> =
+        Parameter::new("detail-minimum", [1, 10_000], "px of area").or(3);
+    pub const SECONDARY_TOLERANCE: Parameter<f64> =
+        Parameter::new("secondary-tolerance", [0.0, 1.0], "").or(0.055);
+    pub const SECONDARY_MINIMUM: Parameter<u32> =
+        Parameter::new("secondary-minimum", [1, 10_000], "px of area").or(3);
+    pub const SECONDARY_MAXIMUM: Parameter<u32> =
+        Parameter::new("secondary-maximum", [1, 100_000], "px of area").or(300);
+    pub const CATEGORIES: Parameter<u32> = Parameter::new("categories", [1, 1000], "").or(15);
+    pub const DESCRIPTOR_REACH: Parameter<f64> = Parameter::new("descriptor-reach", [0.5, 10.0], "").or(2.25);
+    pub const BACKGROUND_SPACING: Parameter<f64> =
+        Parameter::new("background-spacing", [4.0, 1000.0], "px").or(25.0);
+    pub const BACKGROUND_MARGIN: Parameter<f64> =
+        Parameter::new("background-margin", [0.0, 100.0], "px").or(5.0);
+    pub const FIDELITY: Parameter<f64> = Parameter::new("fidelity", [0.05, 5.0], "px").or(0.5);
+    pub const COLORS: Parameter<u32> = Parameter::new("colors", [0, 4096], "").or(0);
+    pub const MAX_PATHS: Parameter<u32> = Parameter::new("max-paths", [0, 10_000_000], "").or(0);
+    pub const CELLS: Parameter<u32> = Parameter::new("cells", [0, 4], "").or(0);
+    pub const MAX_PIXELS: Parameter<u32> =
+        Parameter::new("max-pixels", [4096, 4_000_000_000], "pixels").or(1_200_000);
+    pub const LAYERS: Parameter<u32> = Parameter::new("layers", [1, 6], "");
+}
+
 impl Default for AnalyzeParams {
     fn default() -> Self {
         Self {
             seed: 0,
-            minimum_area: 5,
-            detail_scale: 10.0,
-            detail_sigma: 0.7,
-            detail_minimum: 3,
-            secondary_tolerance: 0.055,
-            secondary_minimum: 3,
-            secondary_maximum: 300,
-            categories: Categories::AtMost(15),
-            descriptor_reach: 2.25,
-            background_spacing: 25.0,
-            background_margin: 5.0,
-            fidelity: 0.5,
+            minimum_area: Self::MINIMUM_AREA.default(),
+            detail_scale: Self::DETAIL_SCALE.default(),
+            detail_sigma: Self::DETAIL_SIGMA.default(),
+            detail_minimum: Self::DETAIL_MINIMUM.default(),
+            secondary_tolerance: Self::SECONDARY_TOLERANCE.default(),
+            secondary_minimum: Self::SECONDARY_MINIMUM.default(),
+            secondary_maximum: Self::SECONDARY_MAXIMUM.default(),
+            categories: Categories::AtMost(Self::CATEGORIES.default()),
+            descriptor_reach: Self::DESCRIPTOR_REACH.default(),
+            background_spacing: Self::BACKGROUND_SPACING.default(),
+            background_margin: Self::BACKGROUND_MARGIN.default(),
+            fidelity: Self::FIDELITY.default(),
             shading: Shading::Soft,
-            colors: 0,
-            max_paths: 0,
-            cells: 0,
-            max_pixels: 1_200_000,
+            colors: Self::COLORS.default(),
+            max_paths: Self::MAX_PATHS.default(),
+            cells: Self::CELLS.default(),
+            max_pixels: Self::MAX_PIXELS.default(),
             wrap: false,
             layers: 0,
             layer_order: Vec::new(),
@@ -143,33 +188,29 @@ impl AnalyzeParams {
     /// # Errors
     /// [`vtex_base::Error::Parameter`] naming the first parameter out of range.
     pub fn validate(&self) -> Result<()> {
-        let integer = |name, value: u32, range: std::ops::RangeInclusive<u32>, allowed| {
-            check(range.contains(&value), name, value, allowed)
-        };
-        let real = |name, value: f64, range: std::ops::RangeInclusive<f64>, allowed| {
-            check(range.contains(&value), name, value, allowed)
-        };
-        integer("minimum-area", self.minimum_area, 1..=1_000_000, "1 to 1000000 px")?;
-        real("detail-scale", self.detail_scale, 0.0..=10_000.0, "0 to 10000")?;
-        real("detail-sigma", self.detail_sigma, 0.0..=10.0, "0 to 10 px")?;
-        integer("detail-minimum", self.detail_minimum, 1..=10_000, "1 to 10000 px")?;
-        real("secondary-tolerance", self.secondary_tolerance, 0.0..=1.0, "0 to 1")?;
-        integer("secondary-minimum", self.secondary_minimum, 1..=10_000, "1 to 10000 px")?;
-        integer("secondary-maximum", self.secondary_maximum, 1..=100_000, "1 to 100000 px")?;
+        Self::MINIMUM_AREA.check(self.minimum_area)?;
+        Self::DETAIL_SCALE.check(self.detail_scale)?;
+        Self::DETAIL_SIGMA.check(self.detail_sigma)?;
+        Self::DETAIL_MINIMUM.check(self.detail_minimum)?;
+        Self::SECONDARY_TOLERANCE.check(self.secondary_tolerance)?;
+        Self::SECONDARY_MINIMUM.check(self.secondary_minimum)?;
+        Self::SECONDARY_MAXIMUM.check(self.secondary_maximum)?;
         if let Categories::AtMost(number) = self.categories {
-            integer("categories", number, 1..=1000, "auto or 1 to 1000")?;
+            Self::CATEGORIES.check(number)?;
         }
-        real("descriptor-reach", self.descriptor_reach, 0.5..=10.0, "0.5 to 10")?;
-        real("background-spacing", self.background_spacing, 4.0..=1000.0, "4 to 1000 px")?;
-        real("background-margin", self.background_margin, 0.0..=100.0, "0 to 100 px")?;
-        integer("colors", self.colors, 0..=4096, "0 to 4096")?;
-        integer("max-paths", self.max_paths, 0..=10_000_000, "0 to 10000000")?;
-        let limit = self.max_pixels;
-        let known = limit == 0 || (4096..=4_000_000_000).contains(&limit);
-        check(known, "max-pixels", limit, "4096 to 4000000000, or off")?;
-        integer("cells", self.cells, 0..=4, "0 to 4")?;
-        integer("layers", self.layers, 0..=6, "auto, off, or 1 to 6")?;
-        real("fidelity", self.fidelity, 0.05..=5.0, "0.05 to 5 px")?;
+        Self::DESCRIPTOR_REACH.check(self.descriptor_reach)?;
+        Self::BACKGROUND_SPACING.check(self.background_spacing)?;
+        Self::BACKGROUND_MARGIN.check(self.background_margin)?;
+        Self::FIDELITY.check(self.fidelity)?;
+        Self::COLORS.check(self.colors)?;
+        Self::MAX_PATHS.check(self.max_paths)?;
+        Self::CELLS.check(self.cells)?;
+        if self.max_pixels > 0 {
+            Self::MAX_PIXELS.check(self.max_pixels)?;
+        }
+        if self.layers > 0 {
+            Self::LAYERS.check(self.layers)?;
+        }
         check(
             self.secondary_minimum <= self.secondary_maximum,
             "secondary-minimum",

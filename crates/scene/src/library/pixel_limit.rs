@@ -1,5 +1,7 @@
 //! A limit of pixels in JSON: `off`, or a number.
 
+#[cfg(feature = "schema")]
+use super::AnalyzeParams;
 use serde::de::{Error, Visitor};
 use serde::{Deserializer, Serializer};
 use std::fmt;
@@ -39,7 +41,7 @@ pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<
 pub(super) fn schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
     schemars::json_schema!({
         "anyOf": [
-            {"type": "integer", "minimum": 0, "maximum": 4_000_000_000_u32},
+            {"type": "integer", "minimum": 0, "maximum": AnalyzeParams::MAX_PIXELS.range[1]},
             {"const": "off"}
         ]
     })

@@ -1,10 +1,11 @@
 //! Operations on scenes as plain data: an action and the elements that it applies to. Scenes record them, and
 //! `edit` applies them.
 
-use super::InstanceId;
+use super::{InstanceId, Shadow};
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use vtex_base::Parameter;
 use vtex_base::raster::colour::Colour;
 
 /// An action on a selection of a scene's textons. Files are referred to by name.
@@ -38,13 +39,15 @@ impl From<Action> for Operation {
 pub enum Action {
     /// Textons are removed: a share of each layer is kept, or the ones that are large enough.
     Thin {
-        /// Share kept. 0 to 1.
+        /// Share kept.
         #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[cfg_attr(feature = "schema", schemars(transform = Self::KEEP.limits()))]
         keep: Option<f64>,
         /// The textons that are removed first.
         order: ThinOrder,
-        /// Smaller textons are removed, and smaller details of the others, in pixels²; from 0.
+        /// Smaller textons are removed, and smaller details of the others, in pixels².
         #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[cfg_attr(feature = "schema", schemars(transform = Self::MINIMUM_AREA.limits()))]
         minimum_area: Option<f64>,
     },
     /// Each texton is kept with the probability that the map has at its place.
@@ -56,16 +59,19 @@ pub enum Action {
     Orient {
         /// The direction.
         direction: Direction,
-        /// Share of the way. 0 to 1.
+        /// Share of the way.
+        #[cfg_attr(feature = "schema", schemars(transform = Self::STRENGTH.limits()))]
         strength: f64,
     },
     /// Colours are mixed with one, in Oklab.
     Tint {
         /// The colour, or a picture, stretched over the canvas, that has the colour at each texton's place.
         colour: ColourOrMap,
-        /// Its share. 0 to 1.
+        /// Its share.
+        #[cfg_attr(feature = "schema", schemars(transform = Self::AMOUNT.limits()))]
         amount: f64,
-        /// Share of the textons that are tinted. 0 to 1.
+        /// Share of the textons that are tinted.
+        #[cfg_attr(feature = "schema", schemars(transform = Self::SHARE.limits()))]
         share: f64,
     },
     /// Colours similar to one are shifted towards another, less similar ones by a smaller amount, in Oklab.
@@ -74,7 +80,8 @@ pub enum Action {
         from: Colour,
         /// The colour that replaces it.
         to: Colour,
-        /// Oklab distance up to which colours are moved. 0.01 to 2.
+        /// Oklab distance up to which colours are moved.
+        #[cfg_attr(feature = "schema", schemars(transform = Self::REACH.limits()))]
         reach: f64,
     },
     /// Categories get new mean colours; differences in lightness within them stay.
@@ -87,25 +94,31 @@ pub enum Action {
     },
     /// A shadow under each texton.
     Shadow {
-        /// Where it falls. -360 to 360.
+        /// Where it falls.
+        #[cfg_attr(feature = "schema", schemars(transform = Self::SHADOW_ANGLE.limits()))]
         angle: f64,
-        /// How far. 0 to 1000.
+        /// How far.
+        #[cfg_attr(feature = "schema", schemars(transform = Self::SHADOW_LENGTH.limits()))]
         length: f64,
-        /// How dark. 0 to 1; 0 takes shadows away.
+        /// How dark; 0 takes shadows away.
+        #[cfg_attr(feature = "schema", schemars(transform = Self::OPACITY.limits()))]
         opacity: f64,
-        /// Width of its soft edge. 0 to 200.
+        /// Width of its soft edge.
+        #[cfg_attr(feature = "schema", schemars(transform = Self::BLUR.limits()))]
         blur: f64,
     },
     /// Details are dropped; each texton has one colour, the mean.
     Flatten,
     /// Outlines are drawn again with fewer points, and details too small to be seen then go.
     Simplify {
-        /// How far an outline may move. 0.01 to 100.
+        /// How far an outline may move.
+        #[cfg_attr(feature = "schema", schemars(transform = Self::TOLERANCE.limits()))]
         tolerance: f64,
     },
     /// A line along each outline.
     Outline {
-        /// Its width. 0 to 1000; 0 takes lines away.
+        /// Its width; 0 takes lines away.
+        #[cfg_attr(feature = "schema", schemars(transform = Self::WIDTH.limits()))]
         width: f64,
         /// Its colour.
         colour: Colour,
@@ -117,29 +130,32 @@ pub enum Action {
     },
     /// Textons are moved.
     Move {
-        /// To the right. -10⁶ to 10⁶.
+        /// To the right.
+        #[cfg_attr(feature = "schema", schemars(transform = Self::X.limits()))]
         x: f64,
-        /// Down. -10⁶ to 10⁶.
+        /// Down.
+        #[cfg_attr(feature = "schema", schemars(transform = Self::Y.limits()))]
         y: f64,
     },
     /// Textons grow about their own centres.
     Scale {
-        /// The factor, 0.01 to 100; or a map, black 0.01, middle grey 1, white 2.
+        /// The factor; or a map, black 0.01, middle grey 1, white 2.
         factor: NumberOrMap,
     },
     /// Textons turn about their own centres.
     Rotate {
-        /// The angle, -360 to 360; or a map, black 0 to white 360.
+        /// The angle; or a map, black 0 to white 360.
         angle: NumberOrMap,
     },
     /// Textons are moved, turned, scaled and stretched together, about their own centres or the centre of
     /// all.
     Transform {
-        /// Shift to the right and down. -10⁶ to 10⁶ each.
+        /// Shift to the right and down.
         by: [f64; 2],
-        /// Factors along x and y. 0.01 to 100 each.
+        /// Factors along x and y.
         scale: [f64; 2],
-        /// The angle, applied after scaling. -360 to 360.
+        /// The angle, applied after scaling.
+        #[cfg_attr(feature = "schema", schemars(transform = Self::TURN.limits()))]
         angle: f64,
         /// The fixed point of scaling and rotation, before the shift.
         about: About,
@@ -150,14 +166,15 @@ pub enum Action {
     Shuffle {
         /// The textons among which appearances are exchanged.
         within: Within,
-        /// Share of the textons that take part. 0 to 1.
+        /// Share of the textons that take part.
+        #[cfg_attr(feature = "schema", schemars(transform = Self::SHARE.limits()))]
         share: f64,
         /// Whether outlines are exchanged too, each drawn in the other's frame.
         outlines: bool,
     },
     /// The variation of appearances and shapes about their mean is scaled (Tu, dissertation, equations 4.27
-    /// to 4.30). Each factor is 0 to 4, where 0 makes all equal and 1 changes nothing, or a map, black 0,
-    /// middle grey 1, white 2.
+    /// to 4.30). A factor of 0 makes all equal and 1 changes nothing; of a map black is 0, middle grey 1, white
+    /// 2.
     Vary {
         /// Factor of the distance of colours from their mean, in Oklab.
         #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -170,12 +187,15 @@ pub enum Action {
     },
     /// Textons move apart where they are close, so that distances become even.
     Relax {
-        /// Number of rounds. 1 to 1000.
+        /// Number of rounds.
+        #[cfg_attr(feature = "schema", schemars(transform = Self::ROUNDS.limits()))]
         rounds: u32,
-        /// Share of the missing distance that is moved in each round. 0 to 1.
+        /// Share of the missing distance that is moved in each round.
+        #[cfg_attr(feature = "schema", schemars(transform = Self::RELAX_STRENGTH.limits()))]
         strength: f64,
-        /// Least distance, 0 to 1000; default: that of a regular lattice of equally many textons.
+        /// Least distance; default: that of a regular lattice of equally many textons.
         #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[cfg_attr(feature = "schema", schemars(transform = Self::MINIMUM_DISTANCE.limits()))]
         minimum_distance: Option<f64>,
     },
     /// Shapes drawn on one texton are repeated on all similar ones, in their frames. One of `drawing`,
@@ -194,9 +214,10 @@ pub enum Action {
         /// all selected textons are similar.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         of: Option<InstanceId>,
-        /// Largest distance of the median colours of similar textons, in Oklab, 0 to 2; default: textons of
-        /// one category are similar.
+        /// Largest distance of the median colours of similar textons, in Oklab; default: textons of one
+        /// category are similar.
         #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[cfg_attr(feature = "schema", schemars(transform = Self::SIMILAR.limits()))]
         similar: Option<f64>,
         /// Whether it replaces their shapes instead of being drawn on them.
         replace: bool,
@@ -217,6 +238,38 @@ pub enum Action {
         /// Whether those inside are kept, else those outside.
         inside: bool,
     },
+}
+
+/// Ranges, units and defaults of numbers, by their names in `vtex edit`.
+#[allow(missing_docs)]
+impl Action {
+    pub const KEEP: Parameter<f64> = Parameter::new("keep", [0.0, 1.0], "");
+    pub const MINIMUM_AREA: Parameter<f64> = Parameter::new("min-area", [0.0, 1e9], "px of area");
+    pub const DEGREES: Parameter<f64> = Parameter::new("degrees", [-360.0, 360.0], "degrees");
+    pub const STRENGTH: Parameter<f64> = Parameter::new("strength", [0.0, 1.0], "").or(1.0);
+    pub const AMOUNT: Parameter<f64> = Parameter::new("amount", [0.0, 1.0], "").or(0.5);
+    pub const SHARE: Parameter<f64> = Parameter::new("share", [0.0, 1.0], "").or(1.0);
+    pub const REACH: Parameter<f64> = Parameter::new("reach", [0.01, 2.0], "").or(0.2);
+    pub const SHADOW_ANGLE: Parameter<f64> = Parameter::new("angle", [-360.0, 360.0], "degrees").or(45.0);
+    pub const SHADOW_LENGTH: Parameter<f64> = Parameter::new("length", [0.0, 1000.0], "px").or(5.0);
+    pub const OPACITY: Parameter<f64> = Parameter::new("opacity", [0.0, 1.0], "").or(0.4);
+    pub const BLUR: Parameter<f64> = Parameter::new("blur", [0.0, Shadow::WIDEST], "px").or(5.0);
+    pub const TOLERANCE: Parameter<f64> = Parameter::new("px", [0.01, 100.0], "px");
+    pub const WIDTH: Parameter<f64> = Parameter::new("width", [0.0, 1000.0], "px");
+    pub const X: Parameter<f64> = Parameter::new("x", [-1e6, 1e6], "px");
+    pub const Y: Parameter<f64> = Parameter::new("y", [-1e6, 1e6], "px");
+    pub const FACTOR: Parameter<f64> = Parameter::new("factor", [0.01, 100.0], "");
+    /// Of each coordinate.
+    pub const WAY: Parameter<f64> = Parameter::new("move", [-1e6, 1e6], "px each");
+    /// Of each axis.
+    pub const FACTORS: Parameter<f64> = Parameter::new("scale", [0.01, 100.0], "each");
+    pub const TURN: Parameter<f64> = Parameter::new("rotate", [-360.0, 360.0], "degrees").or(0.0);
+    pub const COLOUR: Parameter<f64> = Parameter::new("color", [0.0, 4.0], "");
+    pub const SHAPE: Parameter<f64> = Parameter::new("shape", [0.0, 4.0], "");
+    pub const ROUNDS: Parameter<u32> = Parameter::new("rounds", [1, 1000], "").or(20);
+    pub const RELAX_STRENGTH: Parameter<f64> = Parameter::new("strength", [0.0, 1.0], "").or(0.5);
+    pub const MINIMUM_DISTANCE: Parameter<f64> = Parameter::new("min-distance", [0.0, 1000.0], "px");
+    pub const SIMILAR: Parameter<f64> = Parameter::new("similar", [0.0, 2.0], "");
 }
 
 impl Action {
@@ -273,34 +326,56 @@ impl From<Colour> for ColourOrMap {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Jitter {
-    /// Largest distance. 0 to 10⁶.
+    /// Largest distance.
+    #[cfg_attr(feature = "schema", schemars(transform = Self::DISTANCE.limits()))]
     pub distance: f64,
-    /// Largest angle either way. 0 to 180.
+    /// Largest angle either way.
+    #[cfg_attr(feature = "schema", schemars(transform = Self::ANGLE.limits()))]
     pub angle: f64,
-    /// Largest change of size either way, in per cent. 0 to 90.
+    /// Largest change of size either way, in per cent.
+    #[cfg_attr(feature = "schema", schemars(transform = Self::SCALE.limits()))]
     pub scale: f64,
-    /// Largest change of the ratio of length to width either way, in per cent; areas stay. 0 to 90.
+    /// Largest change of the ratio of length to width either way, in per cent; areas stay.
     #[serde(default, skip_serializing_if = "is_zero")]
+    #[cfg_attr(feature = "schema", schemars(transform = Self::STRETCH.limits()))]
     pub stretch: f64,
-    /// Share of the textons that are mirrored, left to right. 0 to 1.
+    /// Share of the textons that are mirrored, left to right.
     #[serde(default, skip_serializing_if = "is_zero")]
+    #[cfg_attr(feature = "schema", schemars(transform = Self::FLIP.limits()))]
     pub flip: f64,
-    /// Largest turn of hues either way, in degrees. 0 to 180.
+    /// Largest turn of hues either way, in degrees.
     #[serde(default, skip_serializing_if = "is_zero")]
+    #[cfg_attr(feature = "schema", schemars(transform = Self::HUE.limits()))]
     pub hue: f64,
-    /// Largest change of chroma either way, in per cent. 0 to 100.
+    /// Largest change of chroma either way, in per cent.
     #[serde(default, skip_serializing_if = "is_zero")]
+    #[cfg_attr(feature = "schema", schemars(transform = Self::CHROMA.limits()))]
     pub chroma: f64,
-    /// Largest change of lightness either way, in per cent of that of white. 0 to 100.
+    /// Largest change of lightness either way, in per cent of that of white.
     #[serde(default, skip_serializing_if = "is_zero")]
+    #[cfg_attr(feature = "schema", schemars(transform = Self::LIGHTNESS.limits()))]
     pub lightness: f64,
     /// How changes are distributed.
     #[serde(default, skip_serializing_if = "Distribution::is_uniform")]
     pub distribution: Distribution,
-    /// Number of equal steps from 0 to each bound; changes are multiples of a step. Up to 1000; 0 for
-    /// continuous changes.
+    /// Number of equal steps from 0 to each bound; changes are multiples of a step. 0 for continuous changes.
     #[serde(default, skip_serializing_if = "is_none")]
+    #[cfg_attr(feature = "schema", schemars(transform = Self::STEPS.limits()))]
     pub steps: u32,
+}
+
+/// Ranges, units and defaults of the fields of the same names.
+#[allow(missing_docs)]
+impl Jitter {
+    pub const DISTANCE: Parameter<f64> = Parameter::new("move", [0.0, 1e6], "px").or(0.0);
+    pub const ANGLE: Parameter<f64> = Parameter::new("rotate", [0.0, 180.0], "degrees").or(0.0);
+    pub const SCALE: Parameter<f64> = Parameter::new("scale", [0.0, 90.0], "per cent").or(0.0);
+    pub const STRETCH: Parameter<f64> = Parameter::new("stretch", [0.0, 90.0], "per cent").or(0.0);
+    pub const FLIP: Parameter<f64> = Parameter::new("flip", [0.0, 1.0], "").or(0.0);
+    pub const HUE: Parameter<f64> = Parameter::new("hue", [0.0, 180.0], "degrees").or(0.0);
+    pub const CHROMA: Parameter<f64> = Parameter::new("chroma", [0.0, 100.0], "per cent").or(0.0);
+    pub const LIGHTNESS: Parameter<f64> = Parameter::new("lightness", [0.0, 100.0], "per cent").or(0.0);
+    pub const STEPS: Parameter<u32> = Parameter::new("steps", [0, 1000], "").or(0);
 }
 
 impl Jitter {
@@ -397,7 +472,7 @@ pub enum ThinOrder {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Direction {
-    /// Constant over the canvas, in degrees. -360 to 360.
+    /// Constant over the canvas, in degrees.
     Angle(f64),
     /// The file of a grey picture, black 0° to white 180°, stretched over the canvas.
     Map(String),

@@ -7,44 +7,54 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::str::FromStr;
+use vtex_base::Parameter;
 use vtex_base::error::check;
 
-/// Parameters of synthesis. Lengths in pixels.
+/// Parameters of synthesis. Lengths in pixels. Ranges and defaults of numbers are constants, such as
+/// [`SynthParams::CANDIDATES`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct SynthParams {
-    /// Width of the canvas. 1 to 100 000, default 1000.
+    /// Width of the canvas.
+    #[cfg_attr(feature = "schema", schemars(transform = Self::SIDE.limits()))]
     pub width: u32,
-    /// Height of the canvas. 1 to 100 000, default 1000.
+    /// Height of the canvas.
+    #[cfg_attr(feature = "schema", schemars(transform = Self::SIDE.limits()))]
     pub height: u32,
     /// Seed of all random choices. Default 0.
     pub seed: u64,
     /// How primaries are placed. Default `auto`. A scene stores the method used.
     pub method: Method,
-    /// Number of candidates tried for each placement. 1 to 1000, default 20.
+    /// Number of candidates tried for each placement.
+    #[cfg_attr(feature = "schema", schemars(transform = Self::CANDIDATES.limits()))]
     pub candidates: u32,
-    /// Number of moves by one cell that may improve a placement. 0 to 100, default 5.
+    /// Number of moves by one cell that may improve a placement.
+    #[cfg_attr(feature = "schema", schemars(transform = Self::MOVES.limits()))]
     pub moves: u32,
     /// Weights of the candidates' score.
     pub weights: Weights,
     /// Distance between background points. Default: that of the library.
+    #[cfg_attr(feature = "schema", schemars(transform = Self::BACKGROUND_SPACING.limits()))]
     pub background_spacing: Option<f64>,
     /// Axes along which the texture repeats seamlessly. Default none.
     pub tile: Tile,
-    /// Largest rotation of a texton in either direction, in degrees. 0 to 180, default 0.
+    /// Largest rotation of a texton in either direction, in degrees.
+    #[cfg_attr(feature = "schema", schemars(transform = Self::ROTATE.limits()))]
     pub rotate: f64,
     /// Whether half of the textons, chosen at random, are mirrored. Default false.
     pub mirror: bool,
-    /// Largest change of a texton's size in either direction, in per cent. 0 to 50, default 0.
+    /// Largest change of a texton's size in either direction, in per cent.
+    #[cfg_attr(feature = "schema", schemars(transform = Self::SCALE_JITTER.limits()))]
     pub scale_jitter: f64,
     /// Treatment of primaries at the edge of a domain. Default `clip`.
     pub edge: Edge,
     /// Parts of the method that are left out, for experiments. Default none.
     pub ablate: Vec<Ablation>,
     /// Share of the movable elements that leave their place in the period, for [`Method::Period`]: 0
-    /// repeats the exemplar exactly. 0 to 1. Default: 0 for a regular exemplar, 1 for another.
+    /// repeats the exemplar exactly. Default: 0 for a regular exemplar, 1 for another.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(transform = Self::VARIATION.limits()))]
     pub variation: Option<f64>,
     /// The rows or the lattice that the texture follows, for [`Method::Correspondence`]: `auto`, `off`, or
     /// one or two vectors in pixels of the exemplar, such as `80,0,40,60`. Default `auto`.
@@ -198,21 +208,31 @@ impl Ablation {
     ];
 }
 
-/// Weights of the five areas in a candidate's score (paper §3.2.1). Each -10 to 10.
+/// Weights of the five areas in a candidate's score (paper §3.2.1).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct Weights {
     /// Covered area of the requested region. Default 0.5.
+    #[cfg_attr(feature = "schema", schemars(transform = Self::EACH.limits()))]
     pub target: f64,
     /// Uncovered area of the requested region. Default -0.4.
+    #[cfg_attr(feature = "schema", schemars(transform = Self::EACH.limits()))]
     pub uncovered: f64,
     /// Covered area that should be empty. Default -0.2.
+    #[cfg_attr(feature = "schema", schemars(transform = Self::EACH.limits()))]
     pub empty: f64,
     /// Covered area that should hold another category. Default -0.5.
+    #[cfg_attr(feature = "schema", schemars(transform = Self::EACH.limits()))]
     pub mismatched: f64,
     /// Covered area of another region of the same category. Default -0.5.
+    #[cfg_attr(feature = "schema", schemars(transform = Self::EACH.limits()))]
     pub same_overlap: f64,
+}
+
+impl Weights {
+    /// Range of each weight.
+    pub const EACH: Parameter<f64> = Parameter::new("weights", [-10.0, 10.0], "each");
 }
 
 impl Default for Weights {
@@ -221,21 +241,34 @@ impl Default for Weights {
     }
 }
 
+/// Ranges, units and defaults of the fields of the same names.
+#[allow(missing_docs)]
+impl SynthParams {
+    /// Of the width and the height of the canvas.
+    pub const SIDE: Parameter<u32> = Parameter::new("size", [1, 100_000], "px on each side").or(1000);
+    pub const CANDIDATES: Parameter<u32> = Parameter::new("candidates", [1, 1000], "").or(20);
+    pub const MOVES: Parameter<u32> = Parameter::new("moves", [0, 100], "").or(5);
+    pub const ROTATE: Parameter<f64> = Parameter::new("rotate", [0.0, 180.0], "degrees").or(0.0);
+    pub const SCALE_JITTER: Parameter<f64> = Parameter::new("scale-jitter", [0.0, 50.0], "per cent").or(0.0);
+    pub const VARIATION: Parameter<f64> = Parameter::new("variation", [0.0, 1.0], "");
+    pub const BACKGROUND_SPACING: Parameter<f64> = Parameter::new("background-spacing", [4.0, 1000.0], "px");
+}
+
 impl Default for SynthParams {
     fn default() -> Self {
         Self {
-            width: 1000,
-            height: 1000,
+            width: Self::SIDE.default(),
+            height: Self::SIDE.default(),
             seed: 0,
             method: Method::default(),
-            candidates: 20,
-            moves: 5,
+            candidates: Self::CANDIDATES.default(),
+            moves: Self::MOVES.default(),
             weights: Weights::default(),
             background_spacing: None,
             tile: Tile::default(),
-            rotate: 0.0,
+            rotate: Self::ROTATE.default(),
             mirror: false,
-            scale_jitter: 0.0,
+            scale_jitter: Self::SCALE_JITTER.default(),
             edge: Edge::default(),
             ablate: Vec::new(),
             variation: None,
@@ -245,38 +278,26 @@ impl Default for SynthParams {
 }
 
 impl SynthParams {
-    /// Largest permitted width and height of a canvas, in pixels.
-    pub const LARGEST_SIDE: u32 = 100_000;
-
     /// Checks every range.
     ///
     /// # Errors
     /// [`vtex_base::Error::Parameter`] naming the first parameter out of range.
     pub fn validate(&self) -> vtex_base::Result<()> {
-        let side = |v: u32| (1..=Self::LARGEST_SIDE).contains(&v);
-        let size = || format!("{}x{}", self.width, self.height);
-        check(side(self.width) && side(self.height), "size", size(), "1 to 100000 px on each side")?;
-        check((1..=1000).contains(&self.candidates), "candidates", self.candidates, "1 to 1000")?;
-        check(self.moves <= 100, "moves", self.moves, "0 to 100")?;
-        let w = &self.weights;
+        let Self { width, height, weights: w, .. } = self;
+        let fits = Self::SIDE.allows(*width) && Self::SIDE.allows(*height);
+        check(fits, "size", format!("{width}x{height}"), Self::SIDE.to_string())?;
+        Self::CANDIDATES.check(self.candidates)?;
+        Self::MOVES.check(self.moves)?;
         for value in [w.target, w.uncovered, w.empty, w.mismatched, w.same_overlap] {
-            check((-10.0..=10.0).contains(&value), "weights", value, "-10 to 10 each")?;
+            Weights::EACH.check(value)?;
         }
-        if let Some(spacing) = self.background_spacing {
-            check((4.0..=1000.0).contains(&spacing), "background-spacing", spacing, "4 to 1000 px")?;
-        }
-        let variation = self.variation.unwrap_or(0.0);
-        check((0.0..=1.0).contains(&variation), "variation", variation, "0 to 1")?;
+        self.background_spacing.map_or(Ok(()), |spacing| Self::BACKGROUND_SPACING.check(spacing))?;
+        self.variation.map_or(Ok(()), |variation| Self::VARIATION.check(variation))?;
         if let LatticeChoice::Vectors(vectors) = &self.lattice {
             Lattice::new(vectors)?;
         }
-        check((0.0..=180.0).contains(&self.rotate), "rotate", self.rotate, "0 to 180 degrees")?;
-        check(
-            (0.0..=50.0).contains(&self.scale_jitter),
-            "scale-jitter",
-            self.scale_jitter,
-            "0 to 50 per cent",
-        )
+        Self::ROTATE.check(self.rotate)?;
+        Self::SCALE_JITTER.check(self.scale_jitter)
     }
 
     /// Whether a part of the method is left out.

@@ -7,14 +7,8 @@ use vtex_base::geometry::Outline;
 
 /// Checks every reference and range of a scene.
 pub(super) fn validate(s: &Scene) -> Result<(), String> {
-    let side = |v: u32| (1..=SynthParams::LARGEST_SIDE).contains(&v);
-    if !side(s.width) || !side(s.height) {
-        return Err(format!(
-            "size {} x {} is not within 1 to {}",
-            s.width,
-            s.height,
-            SynthParams::LARGEST_SIDE
-        ));
+    if ![s.width, s.height].iter().all(|side| SynthParams::SIDE.allows(*side)) {
+        return Err(format!("size {} x {} is not {}", s.width, s.height, SynthParams::SIDE));
     }
     if let Some(p) = &s.parameters {
         p.validate().map_err(|e| format!("parameters: {e}"))?;

@@ -2,17 +2,29 @@
 
 use crate::cli::failure::Failure;
 use crate::cli::input::Input;
+use crate::cli::number::Takes;
 use crate::cli::options::files::{ForceArgs, apart, outputs};
-use crate::cli::options::frames::{FrameFormat, Played, formats, played, rate};
+use crate::cli::options::frames::{FRAMES, FrameFormat, Played, formats, played};
 use crate::cli::options::render::RenderFlags;
 use crate::cli::options::svg::SvgFlags;
-use crate::cli::values::{between, named, one_of};
+use crate::cli::values::{named, one_of};
 use clap::Args;
 use clap::builder::{OsStringValueParser, TypedValueParser};
 use std::ffi::OsString;
 use std::path::PathBuf;
-use vtex::flow::Flow;
+use vtex::Parameter;
+use vtex::flow::{Flow, FlowParams};
+use vtex::output::raster_animation::RasterAnimation;
 use vtex::scene::Axis;
+
+/// Pictures of a loop, unless they are given.
+pub(super) const FRAMES_OF_LOOP: u32 = 60;
+
+/// Pictures from one scene to the other, unless they are given.
+pub(super) const FRAMES_OF_WAY: u32 = 30;
+
+/// Share of the way.
+const AT: Parameter<f64> = Parameter::new("at", [0.0, 1.0], "");
 
 /// A scene in motion: carried by a flow, or turned into another
 #[derive(Args)]
@@ -44,28 +56,26 @@ pub(crate) struct AnimateArgs {
     /// [shear, vortex, wind or a file, default: wind]
     #[arg(long, value_name = "FLOW", value_parser = OsStringValueParser::new().map(flow))]
     pub(crate) flow: Option<FlowFrom>,
-    /// Pictures in a loop, or from one scene to the other, both included [2 to 10000, default: 60; of two
-    /// scenes 30]
-    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
-    #[arg(value_parser = clap::value_parser!(u32).range(2..=10000))]
+    /// Pictures in a loop, or from one scene to the other, both included
+    #[arg(long, number_or(FRAMES, format_args!("{FRAMES_OF_LOOP}; of two scenes {FRAMES_OF_WAY}")))]
     pub(crate) frames: Option<u32>,
-    /// Pictures in a second [0.1 to 100, default: 15]
-    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true, value_parser = rate)]
+    /// Pictures in a second
+    #[arg(long, number = RasterAnimation::RATE, default_value_t = RasterAnimation::RATE.default())]
     #[arg(hide_short_help = true)]
-    pub(crate) fps: Option<f64>,
-    /// Rounds, or gusts, in a loop [1 to 100, default: 1]
-    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
-    #[arg(value_parser = clap::value_parser!(u32).range(1..=100), hide_short_help = true)]
-    pub(crate) rounds: Option<u32>,
-    /// Factor of how far wind and directions carry elements [0.01 to 10, default: 1]
-    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true, value_parser = between(0.01, 10.0))]
+    pub(crate) fps: f64,
+    /// Rounds, or gusts, in a loop
+    #[arg(long, number = FlowParams::ROUNDS, default_value_t = FlowParams::ROUNDS.default())]
     #[arg(hide_short_help = true)]
-    pub(crate) strength: Option<f64>,
+    pub(crate) rounds: u32,
+    /// Factor of how far wind and directions carry elements
+    #[arg(long, number = FlowParams::STRENGTH, default_value_t = FlowParams::STRENGTH.default())]
+    #[arg(hide_short_help = true)]
+    pub(crate) strength: f64,
     /// Play there and back, so that the animation of two scenes has no jump
     #[arg(long, requires = "to")]
     pub(crate) back: bool,
-    /// One scene only, so far along the way from one to the other [0 to 1]
-    #[arg(long, value_name = "SHARE", allow_negative_numbers = true, value_parser = between(0.0, 1.0))]
+    /// One scene only, so far along the way from one to the other
+    #[arg(long, number = AT, value_name = "SHARE")]
     #[arg(requires = "to", conflicts_with_all = ["across", "morph", "frames", "fps", "back", "format"])]
     pub(crate) at: Option<f64>,
     /// One scene only, that turns into the other from left to right or from top to bottom [x or y]

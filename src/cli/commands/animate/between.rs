@@ -1,6 +1,6 @@
 //! Two scenes: frames or an animation from one to the other, or a scene between them.
 
-use super::arguments::{AnimateArgs, MorphFrom};
+use super::arguments::{AnimateArgs, FRAMES_OF_WAY, MorphFrom};
 use super::play::{idle, play_all};
 use crate::cli::common::Common;
 use crate::cli::failure::Failure;
@@ -84,7 +84,7 @@ impl Between {
         } else if let Some(morph) = morph {
             Wanted::Morph(morph, targets(a.output, &a.force, &from, MAKES)?)
         } else {
-            let pace = Pace { frames: a.frames.unwrap_or(30), rate: a.fps.unwrap_or(15.0), back: a.back };
+            let pace = Pace { frames: a.frames.unwrap_or(FRAMES_OF_WAY), rate: a.fps, back: a.back };
             Wanted::Played(a.played("give --at, --across or --morph")?, pace)
         };
         Ok(Self { from, to, wanted, drawing })

@@ -1,6 +1,6 @@
 //! A scene carried by a flow, in a loop.
 
-use super::arguments::{AnimateArgs, FlowFrom};
+use super::arguments::{AnimateArgs, FRAMES_OF_LOOP, FlowFrom};
 use super::play::{idle, play_all};
 use crate::cli::common::Common;
 use crate::cli::failure::Failure;
@@ -41,8 +41,8 @@ impl Flowed {
             read.push(("--flow", file));
         }
         check_files(&read, &outputs(&a.output))?;
-        let params = FlowParams { rounds: a.rounds.unwrap_or(1), strength: a.strength.unwrap_or(1.0), seed };
-        let animation = RasterAnimation { frames: a.frames.unwrap_or(60), rate: a.fps.unwrap_or(15.0) };
+        let params = FlowParams { rounds: a.rounds, strength: a.strength, seed };
+        let animation = RasterAnimation { frames: a.frames.unwrap_or(FRAMES_OF_LOOP), rate: a.fps };
         let wanted = a.played("'vtex edit' writes them")?;
         Ok(Self { scene, flow, params, animation, wanted, drawing })
     }

@@ -1,5 +1,6 @@
 //! Values of options of `vtex batch`.
 
+use crate::cli::values::one_of_these;
 use std::fmt;
 use std::path::Path;
 use std::str::FromStr;
@@ -32,7 +33,7 @@ impl FromStr for Extension {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let known = Self::ALL.into_iter().find(|e| *e == text.trim_start_matches('.'));
-        known.map(Self).ok_or_else(|| format!("expected one of {}", Self::ALL.join(", ")))
+        known.map(Self).ok_or_else(|| one_of_these(&Self::ALL))
     }
 }
 

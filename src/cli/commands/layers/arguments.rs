@@ -4,6 +4,7 @@ use crate::cli::failure::Failure;
 use crate::cli::format;
 use crate::cli::input::Input;
 use crate::cli::layer_maps::{MapFormat, MapTarget};
+use crate::cli::number::Takes;
 use crate::cli::options::common;
 use crate::cli::options::files::{ForceArgs, apart, check_files};
 use crate::cli::output::Destination;
@@ -11,7 +12,9 @@ use crate::cli::values::{Axes, Size, named};
 use clap::Args;
 use serde::Deserialize;
 use std::path::PathBuf;
-use vtex::layers::{Count, FindParams};
+use vtex::Parameter;
+use vtex::analyze::Exemplar;
+use vtex::layers::{Count, FindParams, MOST_LAYERS};
 
 /// Nested layers of a photograph, found and made anew
 #[derive(Args)]
@@ -46,8 +49,9 @@ pub(crate) struct LayersArgs {
     pub(super) continuous: bool,
     #[command(flatten)]
     pub(super) force: ForceArgs,
-    /// Number of layers [auto, or 1 to 6, default: auto]
+    /// Number of layers
     #[arg(long, value_name = "COUNT", value_parser = count, help_heading = "Layers of the photograph")]
+    #[arg(takes = format!("auto, or {LAYERS}, default: auto"))]
     pub(super) layers: Option<Count>,
     /// Their order: the layers found, counted from 0 at the bottom, from the new bottom to the new top
     /// [default: the one in which layers that are not next to each other touch least]
@@ -56,8 +60,9 @@ pub(crate) struct LayersArgs {
     /// A painted map of the photograph's size in place of the layers found
     #[arg(long, value_name = "FILE", help_heading = "Layers of the photograph", conflicts_with = "layers")]
     pub(super) layer_map: Option<PathBuf>,
-    /// Size of the map, 1000 or 1000x600 [1 to 16384 px each, default: as the input]
+    /// Size of the map, 1000 or 1000x600
     #[arg(long, value_name = "SIZE", help_heading = "The new map")]
+    #[arg(takes = format!("1 to {} px each, default: as the input", Exemplar::LARGEST_SIDE))]
     pub(super) size: Option<Size>,
     /// Make it repeat without a seam, along x, y or both axes [none, both, x or y; alone: both;
     /// default: none]
@@ -102,12 +107,15 @@ pub(super) enum MapMethod {
     Boundary,
 }
 
+/// Number of layers.
+const LAYERS: Parameter<usize> = Parameter::new("layers", [1, MOST_LAYERS], "");
+
 fn count(text: &str) -> Result<Count, String> {
     if text == "auto" {
         return Ok(Count::Auto);
     }
-    let fixed = text.parse().ok().filter(|n| (1..=6).contains(n));
-    fixed.map(Count::Fixed).ok_or_else(|| "expected auto, or a number from 1 to 6".into())
+    let fixed = text.parse().ok().filter(|n| LAYERS.allows(*n));
+    fixed.map(Count::Fixed).ok_or_else(|| format!("expected auto, or {LAYERS}"))
 }
 
 /// The source and the result.

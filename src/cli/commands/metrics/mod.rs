@@ -11,12 +11,14 @@ use crate::cli::command::{Arguments, Job, Resolved};
 use crate::cli::common::Common;
 use crate::cli::failure::Failure;
 use crate::cli::input::Input;
+use crate::cli::number::Takes;
 use crate::cli::options::engine::EngineArgs;
 use crate::cli::options::files::{check_files, required};
 use crate::cli::progress::Reporter;
 use clap::Args;
 use content::FileContent;
 use std::path::PathBuf;
+use vtex::metrics::SCALE;
 
 /// Say in numbers how alike an exemplar and a result are
 #[derive(Args)]
@@ -49,9 +51,7 @@ pub(crate) struct MetricsArgs {
     #[arg(value_name = "RESULT", required_unless_present_any = ["library", "dump_config"])]
     pub(crate) result: Option<PathBuf>,
     /// How many times as large the result shows the texture; it is made smaller by as much first
-    /// [0.01 to 100, default: 1]
-    #[arg(long, value_name = "NUMBER", default_value_t = 1.0, hide_default_value = true)]
-    #[arg(allow_negative_numbers = true)]
+    #[arg(long, number = SCALE, default_value_t = SCALE.default())]
     pub(crate) scale: f64,
     /// Find the elements of a scene, SVG or library again in its picture, which is analysed with the
     /// parameters of this library

@@ -1,14 +1,15 @@
 //! The arguments of `vtex transfer`.
 
+use crate::cli::number::Takes;
 use crate::cli::options::engine::EngineArgs;
 use crate::cli::options::files::ForceArgs;
 use crate::cli::options::render::RenderFlags;
 use crate::cli::options::svg::SvgFlags;
-use crate::cli::values::{between, named, one_of};
+use crate::cli::values::{named, one_of};
 use clap::Args;
 use std::path::PathBuf;
 use vtex::scene::TransferMode;
-use vtex::transfer::Keep;
+use vtex::transfer::{Keep, StylizeParams, TransferParams};
 
 /// A texture's arrangement, or a picture, in another's elements
 #[derive(Args)]
@@ -51,27 +52,27 @@ pub(crate) struct TransferArgs {
     #[arg(long, value_name = "WORD", hide_possible_values = true)]
     #[arg(value_parser = one_of(&["mean", "replace"], named::<TransferMode>))]
     pub(super) mode: Option<TransferMode>,
-    /// Factor of the size of elements [0.01 to 100, default: 1]
-    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true, value_parser = between(0.01, 100.0))]
+    /// Factor of the size of elements
+    #[arg(long, number = TransferParams::SCALE, default_value_t = TransferParams::SCALE.default())]
     #[arg(hide_short_help = true)]
-    pub(super) element_scale: Option<f64>,
+    pub(super) element_scale: f64,
     /// Whether elements take the picture's lightness, its colours, or keep their own, the nearest being
     /// used [lightness, color or none, default: color]
     #[arg(long, value_name = "WORD", hide_possible_values = true, help_heading = ONTO)]
     #[arg(value_parser = one_of(&["lightness", "color", "none"], named::<Keep>), conflicts_with = "structure")]
     pub(super) keep: Option<Keep>,
-    /// Longer side of the canvas [32 to 16384 px, default: 1000]
-    #[arg(long, value_name = "PX", allow_negative_numbers = true, help_heading = ONTO)]
-    #[arg(value_parser = clap::value_parser!(u32).range(32..=16_384), conflicts_with = "structure")]
-    pub(super) longer_side: Option<u32>,
-    /// Distance of the largest elements [2 to 1000 px, default: a 28th of the longer side]
-    #[arg(long, value_name = "PX", allow_negative_numbers = true, help_heading = ONTO)]
-    #[arg(value_parser = between(2.0, 1000.0), conflicts_with = "structure")]
+    /// Longer side of the canvas
+    #[arg(long, number = StylizeParams::SIZE, default_value_t = StylizeParams::SIZE.default())]
+    #[arg(help_heading = ONTO, conflicts_with = "structure")]
+    pub(super) longer_side: u32,
+    /// Distance of the largest elements
+    #[arg(long, number_or(StylizeParams::ELEMENT, "a 28th of the longer side"))]
+    #[arg(help_heading = ONTO, conflicts_with = "structure")]
     pub(super) element_size: Option<f64>,
-    /// Sizes of elements, each half the one before, for finer and finer detail [1 to 6, default: 4]
-    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true, help_heading = ONTO)]
-    #[arg(value_parser = clap::value_parser!(u32).range(1..=6), conflicts_with = "structure")]
-    pub(super) levels: Option<u32>,
+    /// Sizes of elements, each half the one before, for finer and finer detail
+    #[arg(long, number = StylizeParams::LEVELS, default_value_t = StylizeParams::LEVELS.default())]
+    #[arg(help_heading = ONTO, conflicts_with = "structure")]
+    pub(super) levels: u32,
     /// Result: .svg, .svgz, .pdf, .png, .scene.json or .scene.json.gz [default: ./STRUCTURE.transfer.svg or
     /// ./PICTURE.stylized.svg]
     ///

@@ -42,11 +42,10 @@ impl Redrawing {
             .map(Input::new);
         check_files(&[("--onto", &picture), ("--appearance", &with)], &outputs(&a.output))?;
         let targets = targets(a.output, &a.force, &picture, MAKES)?;
-        let usual = StylizeParams::default();
         let params = StylizeParams {
-            size: a.longer_side.unwrap_or(usual.size),
+            size: a.longer_side,
             element: a.element_size,
-            levels: a.levels.unwrap_or(usual.levels),
+            levels: a.levels,
             keep: a.keep.unwrap_or_default(),
             seed: resolved.seed.0,
         };

@@ -56,7 +56,7 @@ impl Transferring {
         let parameters = &resolved.parameters;
         let params = TransferParams {
             mode: a.mode.unwrap_or_default(),
-            scale: a.element_scale.unwrap_or(1.0),
+            scale: a.element_scale,
             seed: resolved.seed.0,
         };
         let (svg, render) = (parameters.svg, parameters.render);

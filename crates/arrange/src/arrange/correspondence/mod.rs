@@ -335,7 +335,9 @@ pub(crate) fn no_guide() -> Error {
     Error::Parameter {
         name: "method",
         value: "correspondence".into(),
-        allowed: "for libraries with a guide, which those of older versions lack (analyse the photograph again)",
+        allowed:
+            "for libraries with a guide, which those of older versions lack (analyse the photograph again)"
+                .into(),
     }
 }
 

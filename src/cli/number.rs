@@ -1,0 +1,60 @@
+//! Options that take numbers: their ranges, read and explained.
+
+use clap::Arg;
+use std::fmt::Display;
+use std::str::FromStr;
+use vtex::Parameter;
+
+/// A number that is read from text.
+pub(crate) trait Number: FromStr + Copy + PartialOrd + Display + Send + Sync + 'static {}
+
+impl<T: FromStr + Copy + PartialOrd + Display + Send + Sync + 'static> Number for T {}
+
+/// What an option takes, in its help and by its parser.
+pub(crate) trait Takes: Sized {
+    /// Ends the help in what the option takes, in brackets.
+    fn takes(self, what: impl Display) -> Self;
+
+    /// Takes a number in the range of a parameter. The help ends in range and default.
+    fn number<T: Number>(self, parameter: Parameter<T>) -> Self;
+
+    /// As [`Takes::number`], with the default in words.
+    fn number_or<T: Number>(self, parameter: Parameter<T>, default: impl Display) -> Self;
+}
+
+impl Takes for Arg {
+    fn takes(self, what: impl Display) -> Self {
+        let told = self.get_help().map(ToString::to_string).unwrap_or_default();
+        let ended = format!("{told} [{what}]");
+        // A long help begins with the short one.
+        let long = self.get_long_help().map(|long| long.to_string().replacen(&told, &ended, 1));
+        let argument = self.help(ended).allow_negative_numbers(true);
+        match long {
+            Some(long) => argument.long_help(long),
+            None => argument,
+        }
+    }
+
+    fn number<T: Number>(self, parameter: Parameter<T>) -> Self {
+        let default = parameter.default.map(|default| format!(", default: {default}")).unwrap_or_default();
+        reads(self.takes(format_args!("{parameter}{default}")), parameter)
+    }
+
+    fn number_or<T: Number>(self, parameter: Parameter<T>, default: impl Display) -> Self {
+        reads(self.takes(format_args!("{parameter}, default: {default}")), parameter)
+    }
+}
+
+/// An option that reads a number in the range of a parameter.
+fn reads<T: Number>(argument: Arg, parameter: Parameter<T>) -> Arg {
+    let name = if parameter.unit.starts_with("px") { "PX" } else { "NUMBER" };
+    argument.value_name(name).value_parser(within(parameter)).hide_default_value(true)
+}
+
+/// The parser of a number in the range of a parameter.
+pub(crate) fn within<T: Number>(parameter: Parameter<T>) -> impl Fn(&str) -> Result<T, String> + Clone {
+    move |text| {
+        let value = text.parse().ok().filter(|value| parameter.allows(*value));
+        value.ok_or_else(|| format!("expected {parameter}"))
+    }
+}
