@@ -105,9 +105,16 @@ fn styled() -> Scene {
     scene
 }
 
+/// The scene without soft ellipses.
+fn unshaded() -> Scene {
+    let mut scene = scene().clone();
+    scene.elements.iter_mut().for_each(|e| e.shapes.retain(|shape| !shape.is_soft()));
+    scene
+}
+
 #[test]
 fn all_formats_agree() {
-    for scene in [scene(), &shaped(Edge::Clip), &shaped(Edge::Keep), &styled()] {
+    for scene in [scene(), &unshaded(), &shaped(Edge::Clip), &shaped(Edge::Keep), &styled()] {
         let picture = on_white(&png::render(scene, 1.0).unwrap());
         let drawn = |bytes: &[u8]| on_white(&raster_svg::render_svg(bytes, 1.0, "test", &()).unwrap());
         let plain = svg_of(scene, &SvgOptions::default());
@@ -123,7 +130,10 @@ fn all_formats_agree() {
         // shape touches, and then makes thin what is partly filled.
         if let Some(page) = by_poppler(scene, 96 * 4) {
             let found = mean(&on_white(&png::render(scene, 4.0).unwrap()), &page);
-            assert!(found <= 1.5, "pdf: {found}");
+            // Each soft mask of poppler is off by up to three steps.
+            let is_soft = scene.elements.iter().flat_map(|e| e.details()).any(|shape| shape.is_soft());
+            let most = if is_soft { 1.8 } else { 1.5 };
+            assert!(found <= most, "pdf: {found}");
         }
     }
 }

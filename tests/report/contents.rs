@@ -62,11 +62,22 @@ fn check_textons(parts: &Parts, group: &Value) {
     for texton in group["textons"].as_array().unwrap() {
         let begin = format!("<g id=\"p{}\" class=\"category-{}\"", texton["id"], texton["category"]);
         let found = picture.split_once(&begin).unwrap_or_else(|| panic!("no {begin}")).1;
-        let inside = found.split_once('>').unwrap().1.split_once("</g>").unwrap().0;
-        assert!(
-            inside.contains("<path ") && !inside.contains("<use ") && !inside.contains("<g "),
-            "{inside}"
-        );
+        let mut inside = found.split_once('>').unwrap().1;
+        // Soft ellipses are a group of their own.
+        let end = match (inside.find("</g>").unwrap(), inside.find("<g ")) {
+            (first, Some(group)) if group < first => first + 4 + inside[first + 4..].find("</g>").unwrap(),
+            (first, _) => first,
+        };
+        inside = &inside[..end];
+        assert!(inside.contains("<path ") && inside.matches("<g ").count() <= 1, "{inside}");
+        // What it refers to is a part of it, or a brush on a line of its own.
+        for link in inside.split("xlink:href=\"#").skip(1).map(|rest| rest.split_once('"').unwrap().0) {
+            let brush = format!("\n<radialGradient id=\"{link}g\" ");
+            assert!(
+                inside.contains(&format!("id=\"{link}\"")) || picture.contains(&brush),
+                "{link}: {inside}"
+            );
+        }
         assert!(texton["bounds"][2].as_f64().unwrap() > 0.0);
     }
 }

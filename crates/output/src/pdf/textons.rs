@@ -10,7 +10,7 @@ use std::io::Result;
 use vtex_base::geometry::{Affine, Outline, Rect, Vec2};
 use vtex_base::raster::colour::Colour;
 use vtex_scene::element::Ellipse;
-use vtex_scene::scene::{Element, ElementId, Instance, Scene};
+use vtex_scene::scene::{Element, ElementId, Instance, Scene, Shape};
 
 /// Least number of path elements, in all copies but one, for which a texton gets an object of its own.
 const WORTH: usize = 40;
@@ -182,41 +182,59 @@ fn paint(
     brushes: &mut Brushes,
 ) -> Result<()> {
     let mut last = None;
-    for (i, shape) in element.shapes.iter().enumerate().filter(|(_, shape)| !is_empty(&shape.outline)) {
-        if let Some(ellipse) = &shape.ellipse {
-            let form = brushes.form(shape.colour, file)?;
-            content.within(|c| {
+    let seen = element.shapes.iter().enumerate().filter(|(_, shape)| !is_empty(&shape.outline));
+    let seen: Vec<_> = seen.collect();
+    for run in seen.chunk_by(|a, b| a.1.is_soft() == b.1.is_soft()) {
+        if run[0].1.is_soft() {
+            content.within(|c| -> Result<()> {
                 c.clip(&element.base().outline, &[Vec2::ZERO]);
+                run.iter().try_for_each(|(_, shape)| paint_softly(shape, c, file, brushes))
+            })?;
+            continue;
+        }
+        for &(i, shape) in run {
+            let own = colour.filter(|_| i == 0);
+            let gradient = shape.gradient.as_deref().filter(|_| own.is_none());
+            let flat = own.unwrap_or(shape.colour);
+            if gradient.is_none() && shape.opacity == 1.0 {
+                if last != Some(flat) {
+                    content.fill_with(flat);
+                }
+                last = Some(flat);
+                content.fill(&shape.outline);
+                continue;
+            }
+            content.within(|c| -> Result<()> {
                 if shape.opacity != 1.0 {
                     set_opacity(c, file, shape.opacity);
                 }
-                c.transform(ellipse.map());
-                c.draw(form);
-            });
-            continue;
+                match gradient {
+                    Some(gradient) => set_gradient(c, file, gradient, shape.outline.bounds())?,
+                    None => c.fill_with(flat),
+                }
+                c.fill(&shape.outline);
+                Ok(())
+            })?;
         }
-        let own = colour.filter(|_| i == 0);
-        let gradient = shape.gradient.as_deref().filter(|_| own.is_none());
-        let flat = own.unwrap_or(shape.colour);
-        if gradient.is_none() && shape.opacity == 1.0 {
-            if last != Some(flat) {
-                content.fill_with(flat);
-            }
-            last = Some(flat);
-            content.fill(&shape.outline);
-            continue;
-        }
-        content.within(|c| -> Result<()> {
-            if shape.opacity != 1.0 {
-                set_opacity(c, file, shape.opacity);
-            }
-            match gradient {
-                Some(gradient) => set_gradient(c, file, gradient, shape.outline.bounds())?,
-                None => c.fill_with(flat),
-            }
-            c.fill(&shape.outline);
-            Ok(())
-        })?;
     }
+    Ok(())
+}
+
+/// A soft ellipse.
+fn paint_softly(
+    shape: &Shape,
+    content: &mut ContentStream,
+    file: &mut File,
+    brushes: &mut Brushes,
+) -> Result<()> {
+    let Some(ellipse) = &shape.ellipse else { return Ok(()) };
+    let form = brushes.form(shape.colour, file)?;
+    content.within(|c| {
+        if shape.opacity != 1.0 {
+            set_opacity(c, file, shape.opacity);
+        }
+        c.transform(ellipse.map());
+        c.draw(form);
+    });
     Ok(())
 }

@@ -4,12 +4,16 @@ const FIRST = 15;
 const THUMB = 44;
 let thumbs = { pictures: new Map(), addresses: [] };
 
-// The groups of a picture that hold one primary each, by id.
+// The groups of a picture that hold one primary each, by id, with the brushes of their soft ellipses. These are
+// in a group of their own.
 async function cutOut(picture) {
   const text = await textOf(picture);
+  const brushes = new Map([...text.matchAll(/^<radialGradient id="(u\d+)g".*$/gm)].map((found) => [found[1], found[0]]));
   const pieces = new Map();
-  for (const match of text.matchAll(/<g id="p(\d+)" class="category-[\d-]+"[^>]*>([^]*?)<\/g>/g)) {
-    pieces.set(Number(match[1]), match[2]);
+  const groups = /<g id="p(\d+)" class="category-[\d-]+"[^>]*>((?:<g [^>]*>[^]*?<\/g>|[^])*?)<\/g>/g;
+  for (const [, id, inside] of text.matchAll(groups)) {
+    const used = new Set([...inside.matchAll(/"#(u\d+)"/g)].map((found) => brushes.get(found[1])));
+    pieces.set(Number(id), `<defs>${[...used].join("")}</defs>${inside}`);
   }
   return pieces;
 }
