@@ -60,7 +60,7 @@ impl Shaded {
         cost: RateDistortion,
         grid: SubpixelGrid,
     ) -> Self {
-        let mut window = Window::new(image, &details, cost, grid);
+        let mut window = ElementWindow::new(image, &details, cost, grid);
         // Errors of the window are sums over pixels, those of the cost over cells.
         let price = cost.error_per_byte / grid.area();
         let shades = window.shade(price * ELLIPSE_BYTES);
@@ -95,7 +95,7 @@ pub(super) fn shaded(
 }
 
 /// The pixels around an element.
-struct Window {
+struct ElementWindow {
     width: usize,
     height: usize,
     /// Place of its corner in the photograph.
@@ -115,7 +115,7 @@ struct Candidate {
     radius: f64,
 }
 
-impl Window {
+impl ElementWindow {
     fn new(
         image: &Cells<RgbImage>,
         details: &[Cells<Mask>],
@@ -368,7 +368,7 @@ struct Level {
 }
 
 impl Level {
-    fn new(window: &Window) -> Self {
+    fn new(window: &ElementWindow) -> Self {
         let error = |c: usize| {
             let all = window.weight.iter().zip(&window.target).zip(&window.painted);
             all.map(|((w, t), p)| w * (t[c] - p[c])).collect()
@@ -475,12 +475,12 @@ mod tests {
         (Cells(image), Cells(mask))
     }
 
-    fn shaded_disc(colour: impl Fn(f64, f64) -> [f64; 3]) -> (f64, Window, Vec<Shade>) {
+    fn shaded_disc(colour: impl Fn(f64, f64) -> [f64; 3]) -> (f64, ElementWindow, Vec<Shade>) {
         let (image, mask) = disc(colour);
         let grid = SubpixelGrid { cells: 1 };
         let params = AnalyzeParams { shading: Shading::Soft, ..AnalyzeParams::default() };
         let cost = RateDistortion::new(&params, grid).dearer(DEARER);
-        let mut window = Window::new(&image, &[mask], cost, grid);
+        let mut window = ElementWindow::new(&image, &[mask], cost, grid);
         let before = window.error();
         let shades = window.shade(cost.error_per_byte * ELLIPSE_BYTES);
         (before, window, shades)

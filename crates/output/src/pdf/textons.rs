@@ -26,14 +26,14 @@ pub(super) struct PdfTextons<'a> {
     shadows: Shadows,
     /// The shadows that are defined already.
     defined_shadows: BTreeMap<shadow::Key, Ref>,
-    brushes: Brushes,
+    brushes: BrushForms,
 }
 
 /// The discs of soft ellipses that are defined already, by colour.
 #[derive(Default)]
-struct Brushes(BTreeMap<Colour, Ref>);
+struct BrushForms(BTreeMap<Colour, Ref>);
 
-impl Brushes {
+impl BrushForms {
     /// The unit disc in one colour.
     fn form(&mut self, colour: Colour, file: &mut File) -> Result<Ref> {
         if let Some(form) = self.0.get(&colour) {
@@ -60,7 +60,7 @@ impl<'a> PdfTextons<'a> {
             defined: BTreeMap::new(),
             shadows,
             defined_shadows,
-            brushes: Brushes::default(),
+            brushes: BrushForms::default(),
         };
         for instance in scene.instances() {
             let count = textons.places(instance).count();
@@ -179,7 +179,7 @@ fn paint(
     colour: Option<Colour>,
     content: &mut ContentStream,
     file: &mut File,
-    brushes: &mut Brushes,
+    brushes: &mut BrushForms,
 ) -> Result<()> {
     let mut last = None;
     let seen = element.shapes.iter().enumerate().filter(|(_, shape)| !is_empty(&shape.outline));
@@ -225,7 +225,7 @@ fn paint_softly(
     shape: &Shape,
     content: &mut ContentStream,
     file: &mut File,
-    brushes: &mut Brushes,
+    brushes: &mut BrushForms,
 ) -> Result<()> {
     let Some(ellipse) = &shape.ellipse else { return Ok(()) };
     let form = brushes.form(shape.colour, file)?;
