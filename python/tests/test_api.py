@@ -248,7 +248,7 @@ def test_notebooks_show_pixels_of_what_is_long(library):
 
     from PIL import Image
 
-    large = vtex.synthesize(library, (2600, 700))
+    large = vtex.synthesize(library, (1300, 350))
     assert len(large.svg().encode()) > 1_000_000
     shown = large._repr_mimebundle_()
     assert list(shown) == ["image/png"]

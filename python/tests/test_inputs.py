@@ -203,7 +203,7 @@ def test_closed_files_and_files_of_text(quick, photo_path, tmp_path):
         ({"fidelity": float("nan")}, "finite"),
         ({"fidelity": "much"}, "invalid type"),
         ({"shading": "bright"}, "bright"),
-        ({"categories": 0}, "auto or a number"),
+        ({"categories": 0}, "auto or 1 to 1000"),
         ({"seed": -1}, "seed"),
         ({"seed": 2**64}, "seed"),
         ({"layers": 9}, "layers"),
