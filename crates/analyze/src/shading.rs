@@ -32,6 +32,8 @@ const COLOURS: usize = 64;
 const LEAST_RADIUS: f64 = 1.4;
 /// Largest ratio of a semi-axis to the radius at which an ellipse was found.
 const STRETCH: f64 = 2.5;
+/// Radius of the circle whose errors give an ellipse its form, relative to that at which it was found.
+const WIDE: f64 = 1.5;
 /// Most rounds.
 const ROUNDS: usize = 24;
 /// Radii sought on each level of the pyramid, in pixels of the level.
@@ -108,6 +110,15 @@ struct ElementWindow {
     painted: Vec<[f32; 3]>,
 }
 
+/// What an ellipse in its best colour does.
+struct Fit {
+    /// By how much it reduces the squared error.
+    gain: f64,
+    colour: [f64; 3],
+    /// Largest difference of a component from what lies below it, in the mean.
+    contrast: f64,
+}
+
 /// A place where an ellipse may stand.
 struct Candidate {
     gain: f64,
@@ -172,9 +183,10 @@ impl ElementWindow {
 
     /// Paints ellipses that each reduce the error by `least` or more.
     fn shade(&mut self, least: f64) -> Vec<Shade> {
+        let pyramid = Level::pyramid(self);
         let mut shades = Vec::new();
         for _ in 0..ROUNDS {
-            let mut candidates = self.candidates(least);
+            let mut candidates = self.candidates(&pyramid, least);
             candidates.sort_by(|a, b| b.gain.total_cmp(&a.gain));
             let mut taken: Vec<Candidate> = Vec::new();
             let before = shades.len();
@@ -199,109 +211,96 @@ impl ElementWindow {
     }
 
     /// Where circles reduce the error most, of each size.
-    fn candidates(&self, least: f64) -> Vec<Candidate> {
-        let mut level = Level::new(self);
+    fn candidates(&self, pyramid: &[Level], least: f64) -> Vec<Candidate> {
+        let mut errors: [Vec<f32>; 3] = std::array::from_fn(|c| {
+            let all = self.weight.iter().zip(&self.target).zip(&self.painted);
+            all.map(|((w, t), p)| w * (t[c] - p[c])).collect()
+        });
         let mut found = Vec::new();
-        loop {
-            for radius in RADII {
-                level.peaks(radius, least, &mut found);
+        for (i, level) in pyramid.iter().enumerate() {
+            if i > 0 {
+                let finer = &pyramid[i - 1];
+                errors = errors.map(|plane| halved(&plane, finer.width, finer.height));
             }
-            if level.width.min(level.height) < 4 {
-                break;
-            }
-            level = level.halved();
+            level.peaks(&errors, least, &mut found);
         }
         found
     }
 
     /// Paints an ellipse near a candidate if it reduces the error by `least`.
     fn paint(&mut self, candidate: &Candidate, least: f64) -> Option<Shade> {
-        let circle = Ellipse::of_square(
-            candidate.centre,
-            [candidate.radius * candidate.radius, 0.0, candidate.radius * candidate.radius],
-        )?;
-        let mut best = (self.colour(&circle)?, circle);
-        if let Some(fitted) = self.fitted(&circle, candidate.radius, best.0.1)
-            && let Some(found) = self.colour(&fitted)
-            && found.0 > best.0.0
+        let circle = circle(candidate.centre, candidate.radius)?;
+        let mut best = (self.fit(&circle)?, circle);
+        if let Some(fitted) = self.fitted(&circle, candidate.radius, best.0.colour)
+            && let Some(found) = self.fit(&fitted)
+            && found.gain > best.0.gain
         {
             best = (found, fitted);
         }
-        let ((gain, colour), ellipse) = best;
-        if gain < least || self.contrast(&ellipse, colour) > CONTRAST {
+        let (Fit { gain, colour, contrast }, ellipse) = best;
+        if gain < least || contrast > CONTRAST {
             return None;
         }
         let colour = Colour::from_f64(colour);
         let own = colour.to_f64().map(|v| v as f32);
-        self.each(&ellipse, |window, i, opacity| {
-            for c in 0..3 {
-                window.painted[i][c] += opacity * (own[c] - window.painted[i][c]);
-            }
-        });
+        for (i, opacity) in self.covered(&ellipse).collect::<Vec<_>>() {
+            let painted = &mut self.painted[i];
+            (0..3).for_each(|c| painted[c] += opacity * (own[c] - painted[c]));
+        }
         let centre = [0, 1].map(|k| ellipse.centre[k] + self.corner[k]);
         Some(Shade { ellipse: Ellipse { centre, ..ellipse }, colour })
     }
 
-    /// The colour in which an ellipse reduces the error most, and by how much.
-    fn colour(&mut self, ellipse: &Ellipse) -> Option<(f64, [f64; 3])> {
-        let (mut wanted, mut squares, mut before) = ([0f32; 3], 0f32, 0f32);
-        let mut painted = [0f32; 3];
-        let mut cross = 0f32;
-        self.each(ellipse, |window, i, opacity| {
-            let (w, t, p) = (window.weight[i], window.target[i], window.painted[i]);
+    /// The colour in which an ellipse reduces the error most.
+    fn fit(&self, ellipse: &Ellipse) -> Option<Fit> {
+        let (mut wanted, mut squares, mut before, mut black) = ([0f32; 3], 0f32, 0f32, 0f32);
+        let (mut below, mut opacities) = ([0.0; 3], 1e-9);
+        for (i, opacity) in self.covered(ellipse) {
+            let (w, t, p) = (self.weight[i], self.target[i], self.painted[i]);
             squares += w * opacity * opacity;
+            let share = f64::from(opacity * w);
+            opacities += share;
             for c in 0..3 {
                 // What is left if the ellipse were black.
                 let rest = t[c] - p[c] + opacity * p[c];
                 wanted[c] += w * opacity * rest;
                 before += w * (t[c] - p[c]) * (t[c] - p[c]);
-                cross += w * rest * rest;
-                painted[c] += w * opacity;
+                black += w * rest * rest;
+                below[c] += share * f64::from(p[c]);
             }
-        });
+        }
         if squares < 0.5 {
             return None;
         }
         let colour = wanted.map(|v| (v / squares).clamp(0.0, 255.0));
-        let after: f32 = cross
+        let after: f32 = black
             + (0..3).map(|c| squares * colour[c] * colour[c] - 2.0 * colour[c] * wanted[c]).sum::<f32>();
-        Some((f64::from(before - after), colour.map(f64::from)))
-    }
-
-    /// Largest difference of a component of a colour from what lies below an ellipse, in the mean.
-    fn contrast(&mut self, ellipse: &Ellipse, colour: [f64; 3]) -> f64 {
-        let (mut sum, mut count) = ([0.0; 3], 1e-9);
-        self.each(ellipse, |window, i, opacity| {
-            let share = f64::from(opacity * window.weight[i]);
-            count += share;
-            for c in 0..3 {
-                sum[c] += share * f64::from(window.painted[i][c]);
-            }
-        });
-        (0..3).map(|c| (colour[c] - sum[c] / count).abs()).fold(0.0, f64::max)
+        let colour = colour.map(f64::from);
+        let contrast = (0..3).map(|c| (colour[c] - below[c] / opacities).abs()).fold(0.0, f64::max);
+        Some(Fit { gain: f64::from(before - after), colour, contrast })
     }
 
     /// The ellipse that has the moments of the error towards `colour` around a circle.
-    fn fitted(&mut self, circle: &Ellipse, radius: f64, colour: [f64; 3]) -> Option<Ellipse> {
-        let wide = Ellipse::of_square(circle.centre, [2.25 * radius * radius, 0.0, 2.25 * radius * radius])?;
+    fn fitted(&self, around: &Ellipse, radius: f64, colour: [f64; 3]) -> Option<Ellipse> {
+        let centre = around.centre;
+        let wide = circle(centre, WIDE * radius)?;
         let aim = colour.map(|v| v as f32);
         let (mut sum, mut first, mut second) = (0f64, [0f64; 2], [0f64; 3]);
-        let centre = circle.centre;
-        self.each(&wide, |window, i, opacity| {
-            let (t, p) = (window.target[i], window.painted[i]);
+        for (i, opacity) in self.covered(&wide) {
+            let (t, p) = (self.target[i], self.painted[i]);
             let (mut along, mut length) = (0f32, 1e-3f32);
             for c in 0..3 {
                 let d = aim[c] - p[c];
                 along += (t[c] - p[c]) * d;
                 length += d * d;
             }
-            let share = f64::from((along / length).clamp(0.0, 1.0) * window.weight[i] * opacity);
-            let x = (i % window.width) as f64 + 0.5 - centre[0];
-            let y = (i / window.width) as f64 + 0.5 - centre[1];
+            let share = f64::from((along / length).clamp(0.0, 1.0) * self.weight[i] * opacity);
+            let x = (i % self.width) as f64 + 0.5 - centre[0];
+            let y = (i / self.width) as f64 + 0.5 - centre[1];
             sum += share;
             first = [first[0] + share * x, first[1] + share * y];
             second = [second[0] + share * x * x, second[1] + share * x * y, second[2] + share * y * y];
-        });
+        }
         if sum < 0.1 {
             return None;
         }
@@ -312,7 +311,7 @@ impl ElementWindow {
             second[2] / sum - mean[1] * mean[1],
         ];
         // The window is a Gaussian itself: precisions of the two add up.
-        let of_window = 2.25 * radius * radius / 8.0;
+        let of_window = WIDE * WIDE * radius * radius / 8.0;
         let (half, rest) = ((own[0] + own[2]) / 2.0, libm::hypot((own[0] - own[2]) / 2.0, own[1]));
         let angle = 0.5 * libm::atan2(2.0 * own[1], own[0] - own[2]);
         let axis = |variance: f64| {
@@ -331,96 +330,79 @@ impl ElementWindow {
         Ellipse::of_square([centre[0] + mean[0], centre[1] + mean[1]], square)
     }
 
-    /// Calls `work` with each pixel that an ellipse covers and its opacity there.
-    fn each(&mut self, ellipse: &Ellipse, mut work: impl FnMut(&mut Self, usize, f32)) {
+    /// The pixels of the element that an ellipse covers, and its opacity there.
+    fn covered(&self, ellipse: &Ellipse) -> impl Iterator<Item = (usize, f32)> + '_ {
         let inverse = ellipse.map().inverse();
         let [xx, xy, yy] = ellipse.matrix;
-        let reach = [libm::hypot(xx, xy), libm::hypot(xy, yy)];
+        let (centre, reach) = (ellipse.centre, [libm::hypot(xx, xy), libm::hypot(xy, yy)]);
         let range = |k: usize, side: usize| {
-            let [low, high] = [-1.0, 1.0].map(|s| ellipse.centre[k] + s * reach[k]);
+            let [low, high] = [-1.0, 1.0].map(|s| centre[k] + s * reach[k]);
             (low.max(0.0) as usize)..(libm::ceil(high.clamp(0.0, side as f64)) as usize)
         };
         let (columns, rows) = (range(0, self.width), range(1, self.height));
-        for y in rows {
-            for x in columns.clone() {
-                let i = y * self.width + x;
-                if self.weight[i] <= 0.0 {
-                    continue;
-                }
-                let p = inverse * Point::new(x as f64 + 0.5, y as f64 + 0.5);
-                let square = p.x * p.x + p.y * p.y;
-                if square < 1.0 {
-                    work(self, i, Ellipse::opacity_at(square) as f32);
-                }
+        let pixels = rows.flat_map(move |y| columns.clone().map(move |x| (x, y)));
+        pixels.filter_map(move |(x, y)| {
+            let i = y * self.width + x;
+            if self.weight[i] <= 0.0 {
+                return None;
             }
-        }
+            let p = inverse * Point::new(x as f64 + 0.5, y as f64 + 0.5);
+            let square = p.x * p.x + p.y * p.y;
+            (square < 1.0).then(|| (i, Ellipse::opacity_at(square) as f32))
+        })
     }
 }
 
-/// Errors of a window at a fraction of its resolution.
+/// A circle as an ellipse.
+fn circle(centre: [f64; 2], radius: f64) -> Option<Ellipse> {
+    Ellipse::of_square(centre, [radius * radius, 0.0, radius * radius])
+}
+
+/// What does not change from round to round, at a fraction of a window's resolution.
 struct Level {
     /// Pixels of the window to a pixel, along one axis.
     scale: f64,
     width: usize,
     height: usize,
-    /// Weight, and weighted error by component, of each pixel.
-    planes: [Vec<f32>; 4],
+    /// Sum of the weights under the squared opacity of a circle around each pixel, by radius.
+    weights: [Vec<f32>; 2],
 }
 
 impl Level {
-    fn new(window: &ElementWindow) -> Self {
-        let error = |c: usize| {
-            let all = window.weight.iter().zip(&window.target).zip(&window.painted);
-            all.map(|((w, t), p)| w * (t[c] - p[c])).collect()
-        };
-        let planes = [window.weight.clone(), error(0), error(1), error(2)];
-        Self { scale: 1.0, width: window.width, height: window.height, planes }
-    }
-
-    /// The same at half the resolution.
-    fn halved(&self) -> Self {
-        let (width, height) = (self.width.div_ceil(2), self.height.div_ceil(2));
-        let planes = std::array::from_fn(|k| {
-            let mut plane = vec![0.0; width * height];
-            for y in 0..self.height {
-                for x in 0..self.width {
-                    plane[y / 2 * width + x / 2] += self.planes[k][y * self.width + x];
-                }
+    /// All levels of a window, each at half the resolution of the one before.
+    fn pyramid(window: &ElementWindow) -> Vec<Self> {
+        let (mut width, mut height, mut plane) = (window.width, window.height, window.weight.clone());
+        let mut levels: Vec<Self> = Vec::new();
+        loop {
+            let scale = levels.last().map_or(1.0, |level| 2.0 * level.scale);
+            let weights = RADII.map(|radius| blurred(&plane, width, &kernel(radius, 8.0)));
+            levels.push(Self { scale, width, height, weights });
+            if width.min(height) < 4 {
+                return levels;
             }
-            plane
-        });
-        Self { scale: 2.0 * self.scale, width, height, planes }
+            plane = halved(&plane, width, height);
+            (width, height) = (width.div_ceil(2), height.div_ceil(2));
+        }
     }
 
-    /// Adds the peaks of the reduction of the error by circles of a radius, in pixels of the level.
-    fn peaks(&self, radius: f64, least: f64, found: &mut Vec<Candidate>) {
-        let kernel = |fall: f64| {
-            let reach = libm::ceil(radius) as i32 - 1;
-            let value = move |i: i32| libm::exp(-fall * f64::from(i * i) / (radius * radius)) as f32;
-            (-reach..=reach).map(value).collect::<Vec<f32>>()
-        };
+    /// Adds the peaks of the reduction of the error by circles. `errors` are weighted, by component.
+    fn peaks(&self, errors: &[Vec<f32>; 3], least: f64, found: &mut Vec<Candidate>) {
         let (width, height) = (self.width, self.height);
-        let (plain, squared) = (kernel(4.0), kernel(8.0));
-        let weights = blurred(&self.planes[0], width, &squared);
-        let errors: [Vec<f32>; 3] = std::array::from_fn(|c| blurred(&self.planes[c + 1], width, &plain));
-        let gains: Vec<f32> = (0..width * height)
-            .map(|i| {
-                let squares: f32 = (0..3).map(|c| errors[c][i] * errors[c][i]).sum();
-                squares / weights[i].max(0.5)
-            })
-            .collect();
-        for y in 0..height {
-            for x in 0..width {
-                let gain = gains[y * width + x];
-                if f64::from(gain) < least {
-                    continue;
-                }
-                let around = (y.saturating_sub(1)..(y + 2).min(height))
-                    .flat_map(|v| (x.saturating_sub(1)..(x + 2).min(width)).map(move |u| (u, v)));
-                let is_peak = around.filter(|&at| at != (x, y)).all(|(u, v)| {
-                    let other = gains[v * width + u];
-                    other < gain || (other == gain && (v, u) > (y, x))
-                });
+        for (radius, weights) in RADII.into_iter().zip(&self.weights) {
+            let kernel = kernel(radius, 4.0);
+            let errors = errors.each_ref().map(|plane| blurred(plane, width, &kernel));
+            let gains: Vec<f32> = (0..width * height)
+                .map(|i| {
+                    let squares: f32 = (0..3).map(|c| errors[c][i] * errors[c][i]).sum();
+                    squares / weights[i].max(0.5)
+                })
+                .collect();
+            for (i, &gain) in gains.iter().enumerate().filter(|(_, gain)| f64::from(**gain) >= least) {
+                let (x, y) = (i % width, i / width);
+                let mut around = (y.saturating_sub(1)..(y + 2).min(height))
+                    .flat_map(|v| (x.saturating_sub(1)..(x + 2).min(width)).map(move |u| v * width + u));
+                // Of equals the first is the peak.
+                let is_peak = around.all(|k| k == i || gains[k] < gain || (gains[k] == gain && k > i));
                 if is_peak {
                     let centre = [x, y].map(|v| (v as f64 + 0.5) * self.scale);
                     found.push(Candidate { gain: gain.into(), centre, radius: radius * self.scale });
@@ -428,6 +410,23 @@ impl Level {
             }
         }
     }
+}
+
+/// The opacity of a circle along one axis, or a power of it by `fall`.
+fn kernel(radius: f64, fall: f64) -> Vec<f32> {
+    let reach = libm::ceil(radius) as i32 - 1;
+    let value = |i: i32| libm::exp(-fall * f64::from(i * i) / (radius * radius)) as f32;
+    (-reach..=reach).map(value).collect()
+}
+
+/// A plane at half the resolution, of sums.
+fn halved(plane: &[f32], width: usize, height: usize) -> Vec<f32> {
+    let half = width.div_ceil(2);
+    let mut out = vec![0.0; half * height.div_ceil(2)];
+    for (i, value) in plane.iter().enumerate() {
+        out[i / width / 2 * half + i % width / 2] += value;
+    }
+    out
 }
 
 /// A plane convolved along both axes with an odd, symmetric kernel; nothing lies beyond its borders.

@@ -1,10 +1,11 @@
 //! Ellipses with a soft rim.
 
+use super::gaussian::square_root;
 use super::{Gradient, GradientKind, Stop};
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use vtex_base::geometry::{Affine, Moments, Outline, STEP, SecondMoments};
+use vtex_base::geometry::{Affine, Outline, STEP, SecondMoments};
 use vtex_base::raster::colour::Colour;
 
 /// A soft ellipse: the disc around the origin, whose opacity falls from its centre to its rim as a Gaussian
@@ -62,12 +63,10 @@ impl Ellipse {
         Self::of_square([x, y], [a * a + c * c, a * b + c * d, b * b + d * d])
     }
 
-    /// The ellipse around `centre` whose matrix has the square xx, xy, yy, on the grid of outlines; `None` if it is too flat or too large.
-    pub fn of_square(centre: [f64; 2], [xx, xy, yy]: [f64; 3]) -> Option<Self> {
-        // The square root of a 2 × 2 matrix by its trace and determinant.
-        let determinant = libm::sqrt((xx * yy - xy * xy).max(0.0));
-        let trace = libm::sqrt((xx + yy + 2.0 * determinant).max(0.0));
-        let matrix = [(xx + determinant) / trace, xy / trace, (yy + determinant) / trace];
+    /// The ellipse around `centre` whose matrix has the square xx, xy, yy, on the grid of outlines; `None` if it is
+    /// too flat or too large.
+    pub fn of_square(centre: [f64; 2], square: [f64; 3]) -> Option<Self> {
+        let matrix = square_root(square);
         // Divided, so that it has two decimals in a file.
         let grid = |v: f64| libm::round(v / STEP) / libm::round(1.0 / STEP);
         let ellipse = Self { centre: centre.map(grid), matrix: matrix.map(grid) };
@@ -87,7 +86,7 @@ impl Ellipse {
 
     /// The ellipse that covers what an outline covers, by its moments; `None` if the outline is degenerate.
     pub(super) fn of_outline(outline: &Outline) -> Option<Self> {
-        let SecondMoments { centroid, covariance, .. } = Moments::new(outline).second;
+        let SecondMoments { centroid, covariance, .. } = SecondMoments::new(outline);
         // The unit disc has the covariance 1/4.
         Self::of_square([centroid.x, centroid.y], covariance.map(|v| 4.0 * v))
     }

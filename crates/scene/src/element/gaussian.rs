@@ -120,11 +120,7 @@ impl Gaussian {
     /// The map from the canonical frame to the canvas: mean + U^½ · R, with U the covariance and R the
     /// rotation of the x axis to its direction.
     pub fn frame(&self) -> Affine {
-        let [xx, xy, yy] = self.covariance;
-        // The root of a 2 × 2 matrix, by the theorem of Cayley and Hamilton.
-        let area = libm::sqrt((xx * yy - xy * xy).max(0.0));
-        let scale = libm::sqrt(xx + yy + 2.0 * area);
-        let [p, q, r] = [(xx + area) / scale, xy / scale, (yy + area) / scale];
+        let [p, q, r] = square_root(self.covariance);
         let Vec2 { x, y } = self.direction;
         let turn = Affine::new([x, y, -y, x, 0.0, 0.0]);
         Affine::new([p, q, q, r, self.mean.x, self.mean.y]) * turn
@@ -145,6 +141,13 @@ impl Gaussian {
         let [xx, xy, yy] = self.covariance;
         (yy * x * x - 2.0 * xy * x * y + xx * y * y) / (xx * yy - xy * xy)
     }
+}
+
+/// The square root of the symmetric matrix xx, xy, yy, by the theorem of Cayley and Hamilton.
+pub(super) fn square_root([xx, xy, yy]: [f64; 3]) -> [f64; 3] {
+    let determinant = libm::sqrt((xx * yy - xy * xy).max(0.0));
+    let trace = libm::sqrt(xx + yy + 2.0 * determinant);
+    [(xx + determinant) / trace, xy / trace, (yy + determinant) / trace]
 }
 
 #[cfg(test)]
