@@ -181,19 +181,19 @@ pub(super) enum Verb {
         /// at most so far
         #[arg(long = "move", number = Jitter::DISTANCE, default_value_t = Jitter::DISTANCE.default())]
         distance: f64,
-        /// at most so much either way
+        /// at most this much either way
         #[arg(long = "rotate", number = Jitter::ANGLE, default_value_t = Jitter::ANGLE.default())]
         angle: f64,
-        /// at most so much either way
+        /// at most this much either way
         #[arg(long, number = Jitter::SCALE, default_value_t = Jitter::SCALE.default())]
         scale: f64,
-        /// the ratio of length to width at most so much either way; areas stay
+        /// the ratio of length to width at most this much either way; areas stay
         #[arg(long, number = Jitter::STRETCH, default_value_t = Jitter::STRETCH.default())]
         stretch: f64,
         /// share of the elements that are mirrored, left to right
         #[arg(long, number = Jitter::FLIP, default_value_t = Jitter::FLIP.default())]
         flip: f64,
-        /// hues turned at most so much either way
+        /// hues turned at most this much either way
         #[arg(long, number = Jitter::HUE, default_value_t = Jitter::HUE.default())]
         hue: f64,
         /// chroma at most so much more or less

@@ -59,14 +59,14 @@ pub(crate) struct SynthFlags {
     #[arg(long, value_name = "AXES", num_args = 0..=1, require_equals = true, default_missing_value = "both")]
     #[arg(value_parser = one_of(&Axes::NAMES, str::parse::<Axes>), hide_possible_values = true)]
     pub(crate) tile: Option<Axes>,
-    /// Turn each element by a random angle, at most so much either way
+    /// Turn each element by a random angle, at most this much either way
     #[arg(long, number = SynthParams::ROTATE)]
     pub(crate) rotate: Option<f64>,
     /// Mirror half of the elements [default: false]
     #[arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
     #[arg(hide_possible_values = true)]
     pub(crate) mirror: Option<bool>,
-    /// Change each element's size at random, at most so much either way
+    /// Change each element's size at random, at most this much either way
     #[arg(long, number = SynthParams::SCALE_JITTER)]
     pub(crate) scale_jitter: Option<f64>,
     /// At the edge of a domain keep elements whole, clip them, or avoid it [keep, clip or avoid,
