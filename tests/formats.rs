@@ -8,7 +8,7 @@ use tiny_skia::Pixmap;
 use vtex::output::svg::SvgOptions;
 use vtex::output::{file, pdf, png, raster_svg, reduce, svg};
 use vtex::raster::colour::Colour;
-use vtex::scene::{Domain, Edge, Element, Instance, Role, Scene, Shadow, Stroke, SynthParams, Tile};
+use vtex::scene::{Domain, Edge, Element, Instance, Role, Scene, Shadow, Shape, Stroke, SynthParams, Tile};
 use vtex::synth::synthesize;
 
 const EXPANDED: SvgOptions = SvgOptions { precision: 2, expand: true, css: false };
@@ -108,7 +108,15 @@ fn styled() -> Scene {
 /// The scene without soft ellipses.
 fn unshaded() -> Scene {
     let mut scene = scene().clone();
-    scene.elements.iter_mut().for_each(|e| e.shapes.retain(|shape| !shape.is_soft()));
+    let elements = scene.elements.clone();
+    for layer in &mut scene.layers {
+        layer.instances.retain(|i| !elements[i.element.index()].base().is_soft());
+    }
+    for element in &mut scene.elements {
+        let base = element.shapes.remove(0);
+        element.shapes.retain(|shape| !shape.is_soft());
+        element.shapes.insert(0, base);
+    }
     scene
 }
 
@@ -130,9 +138,10 @@ fn all_formats_agree() {
         // shape touches, and then makes thin what is partly filled.
         if let Some(page) = by_poppler(scene, 96 * 4) {
             let found = mean(&on_white(&png::render(scene, 4.0).unwrap()), &page);
-            // Poppler draws soft masks some steps off: up to seven where two ellipses overlap on an even ground.
-            let is_soft = scene.elements.iter().flat_map(|e| e.details()).any(|shape| shape.is_soft());
-            let most = if is_soft { 1.8 } else { 1.5 };
+            // Poppler and MuPDF round down what they blend by each soft mask: they are darker by two to
+            // three steps where many ellipses lie on one another.
+            let is_soft = scene.instances().any(|i| scene.element(i).shapes.iter().any(Shape::is_soft));
+            let most = if is_soft { 3.0 } else { 1.5 };
             assert!(found <= most, "pdf: {found}");
         }
     }
@@ -154,7 +163,7 @@ fn a_reduced_scene_still_looks_the_same() {
     };
     let whole = measure(scene(), &SvgOptions::default()).unwrap();
     let mut last = 0.0;
-    for (share, limit) in [(0.9, 1.0), (0.75, 2.5), (0.5, 6.1)] {
+    for (share, limit) in [(0.9, 1.2), (0.75, 2.3), (0.5, 5.2)] {
         let most = (whole as f64 * share) as u64;
         let reduced = reduce::to_fit(scene(), &SvgOptions::default(), most, measure).unwrap();
         let bytes = svg_of(&reduced.scene, &reduced.options);
@@ -204,6 +213,13 @@ fn origin(node: Node<'_, '_>) -> (u32, u32) {
     }
 }
 
+/// The colour of the brush that fills a circle.
+fn brush<'a>(circle: Node<'a, '_>) -> &'a str {
+    let id = circle.attribute("fill").unwrap().strip_prefix("url(#").unwrap().trim_end_matches(')');
+    let brush = circle.document().descendants().find(|n| n.attribute("id") == Some(id)).unwrap();
+    brush.first_element_child().unwrap().attribute("stop-color").unwrap()
+}
+
 #[test]
 fn a_reader_finds_category_source_and_order_of_every_texton() {
     let mut mixed = shaped(Edge::Clip);
@@ -244,13 +260,21 @@ fn a_reader_finds_category_source_and_order_of_every_texton() {
         }
         // Secondaries have one element each; that of a copy follows its original.
         let layer = layer("secondary");
-        let mut elements = layer.descendants().filter(|n| ["use", "path"].contains(&n.tag_name().name()));
+        let mut elements =
+            layer.descendants().filter(|n| ["use", "path", "circle"].contains(&n.tag_name().name()));
         for instance in scene.of_role(Role::Secondary) {
             let bounds = instance.affine().transform_rect_bbox(textons(instance).bounds());
             // Rounding may move it by as much as the last digit.
             let reach = if options.precision == 1 { 0.1 } else { 0.01 };
             for _ in scene.copies(bounds.inflate(reach, reach)) {
-                check(elements.next().unwrap(), textons(instance));
+                let node = elements.next().unwrap();
+                let spot = textons(instance).spot(instance.colour);
+                assert_eq!(node.tag_name().name() == "circle", spot.is_some());
+                match spot {
+                    // Of a spot its brush is told.
+                    Some((_, colour)) => assert_eq!(brush(node), colour.to_string()),
+                    None => check(node, textons(instance)),
+                }
             }
         }
         assert!(elements.next().is_none());

@@ -11,6 +11,7 @@ mod doubts;
 mod edges;
 mod exemplar;
 mod grid;
+mod ground;
 mod joining;
 mod margin;
 mod moments;
@@ -18,6 +19,7 @@ mod neighbours;
 mod palette;
 mod partition;
 mod pictures;
+mod pursuit;
 mod rate_distortion;
 mod reduced;
 mod secondaries;
@@ -118,10 +120,10 @@ fn analyze_whole(
     let partition = Partition::new(exemplar, &masks, params);
     progress.picture("primaries", &|| outlines(&partition.image, &partition.labels));
     advance(progress, "details", 0, partition.primaries.len() as u64)?;
-    let (ground, parts) = parts(&partition, progress)?;
+    let (backdrop, parts) = parts(&partition, progress)?;
     advance(progress, "joining", 0, 1)?;
     let mut warnings = exemplar.warnings.clone();
-    let pieces = pieces(&partition, &ground.palette, parts, &mut warnings);
+    let pieces = pieces(&partition, &backdrop.palette, parts, &mut warnings, progress)?;
     advance(progress, "outlines", 0, 1)?;
     let shapes = shapes::outlines(&partition, &pieces);
     advance(progress, "categories", 0, 1)?;
@@ -131,13 +133,16 @@ fn analyze_whole(
         progress.warn(warning);
     }
     let source = Source { warnings, ..source(exemplar, segmenter, params) };
-    let library = library(exemplar, elements, ground, source, progress);
+    let library = library(exemplar, elements, backdrop, source, progress);
     debug_assert_eq!(library.validate(), Ok(()));
     Ok(library)
 }
 
-/// The background behind all elements.
-struct Ground {
+/// The colour of the background at a place of the photograph with its margin, in pixels.
+type Behind<'a> = dyn Fn([f64; 2]) -> [f64; 3] + Sync + 'a;
+
+/// What lies behind all elements.
+struct Backdrop {
     palette: Field,
     strata: PhotographStrata,
     /// A map of the photograph with a label above 0 wherever there is an element.
@@ -151,8 +156,8 @@ struct ElementPieces {
     secondaries: Vec<Cells<Mask>>,
 }
 
-/// Second stage: the details of primaries, joined secondaries, and the ground behind them.
-fn parts(partition: &Partition<'_>, progress: &dyn Progress) -> Result<(Ground, ElementPieces)> {
+/// Second stage: the details of primaries, joined secondaries, and the background behind them.
+fn parts(partition: &Partition<'_>, progress: &dyn Progress) -> Result<(Backdrop, ElementPieces)> {
     let Partition { exemplar, params, in_cells, clean, .. } = partition;
     let primaries = partition.margin.inner(&partition.labels);
     let textons = partition.textons();
@@ -168,7 +173,7 @@ fn parts(partition: &Partition<'_>, progress: &dyn Progress) -> Result<(Ground, 
         parallel::join(|| parallel::join(details, strata), || parallel::join(palette, secondaries));
     let strata = strata?;
     progress.picture("background", &|| pictures::background(&exemplar.image, &textons, &palette));
-    Ok((Ground { palette, strata, textons }, ElementPieces { details, secondaries }))
+    Ok((Backdrop { palette, strata, textons }, ElementPieces { details, secondaries }))
 }
 
 /// Third stage: the pieces that are worth their bytes.
@@ -177,7 +182,8 @@ fn pieces(
     palette: &Field,
     parts: ElementPieces,
     warnings: &mut Vec<String>,
-) -> ExemplarPieces {
+    progress: &dyn Progress,
+) -> Result<ExemplarPieces> {
     let Partition { exemplar, params, margin, .. } = partition;
     let (width, height) = exemplar.image.dimensions();
     let tile = Tile { x: params.wrap, y: params.wrap };
@@ -187,14 +193,14 @@ fn pieces(
         interpolant.at(x, y)
     };
     let patches = shapes::patches(&partition.clean, parts.secondaries, partition.grid, &behind);
-    simplify::simplify(partition, &parts.details, patches, warnings)
+    simplify::simplify(partition, &parts.details, patches, &behind, warnings, progress)
 }
 
 /// Last stage: elements by category in their layers.
 fn library(
     exemplar: &Exemplar,
     elements: Elements,
-    ground: Ground,
+    backdrop: Backdrop,
     source: Source,
     progress: &dyn Progress,
 ) -> Library {
@@ -208,7 +214,7 @@ fn library(
     progress.picture("descriptors", &|| pictures::descriptors(&labels, &ids, &centroids, descriptor_half));
     let spacing = secondaries::spacing(&centres(&secondaries), &labels);
     let elements: Vec<ExemplarElement> = primaries.into_iter().chain(secondaries).collect();
-    let Ground { palette, strata, textons } = ground;
+    let Backdrop { palette, strata, textons } = backdrop;
     let layers = strata.layers(exemplar, [&labels, &textons], &elements, (palette, spacing), &params);
     let guide = Guide::of(&exemplar.image);
     Library {

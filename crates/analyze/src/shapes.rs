@@ -4,13 +4,16 @@
 //! primary are painted from the largest to the smallest. Each extends a little underneath those
 //! painted after it. The largest is the base, painted with the primary's whole outline.
 
+use super::Behind;
 use super::edges::Edges;
 use super::grid::{Cells, SubpixelGrid, to_four_digits};
+use super::ground::Spot;
 use super::joining;
 use super::palette::Palette;
 use super::partition::Partition;
+use super::pursuit::Shade;
 use super::rate_distortion::RateDistortion;
-use super::shading::Shade;
+
 use image::RgbImage;
 use std::collections::{BTreeMap, BTreeSet};
 use vtex_base::geometry::{Affine, FittedMap, Outline, PlanarMap, Scale};
@@ -46,8 +49,10 @@ pub(super) struct ExemplarPieces {
     pub(super) details: Vec<Vec<Cells<Mask>>>,
     /// The soft ellipses on them.
     pub(super) shades: Vec<Vec<Shade>>,
-    /// The secondaries.
+    /// The secondaries with outlines.
     pub(super) secondaries: Vec<FlatPatch>,
+    /// The soft ones, below them.
+    pub(super) spots: Vec<Spot>,
     /// The cost that a piece must save.
     pub(super) cost: RateDistortion,
     /// The colours of all pieces, if these are limited.
@@ -66,18 +71,23 @@ pub(super) fn patches(
     image: &Cells<RgbImage>,
     masks: Vec<Cells<Mask>>,
     grid: SubpixelGrid,
-    behind: &(dyn Fn([f64; 2]) -> [f64; 3] + Sync),
+    behind: &Behind<'_>,
 ) -> Vec<FlatPatch> {
     let found = parallel::map(&masks, |mask| {
         let colour = median(image, mask);
-        let (own, behind) = (colour.to_f64(), behind(grid.centroid(mask)));
-        (colour, std::array::from_fn(|i| libm::round(own[i] - behind[i].clamp(0.0, 255.0)) as i16))
+        (colour, difference(colour, behind(grid.centroid(mask))))
     });
     masks
         .into_iter()
         .zip(found)
         .map(|(mask, (colour, difference))| FlatPatch { mask, colour, difference })
         .collect()
+}
+
+/// A colour minus the background's, per component.
+pub(super) fn difference(colour: Colour, behind: [f64; 3]) -> [i16; 3] {
+    let own = colour.to_f64();
+    std::array::from_fn(|i| libm::round(own[i] - behind[i].clamp(0.0, 255.0)) as i16)
 }
 
 /// Median colour of the pixels of a mask.
@@ -186,10 +196,9 @@ pub(super) fn outlines(partition: &Partition<'_>, pieces: &ExemplarPieces) -> El
             shapes: vec![Shape::new(outline, colour)],
         }
     });
-    ElementShapes {
-        secondaries: secondaries.into_iter().filter(|s| !s.outline().is_empty()).collect(),
-        primaries,
-    }
+    let spots = pieces.spots.iter().filter_map(Spot::element);
+    let outlined = secondaries.into_iter().filter(|s| !s.outline().is_empty());
+    ElementShapes { secondaries: spots.chain(outlined).collect(), primaries }
 }
 
 /// The outlines of specks. Those of the same cells differ by whole pixels only and are traced once.

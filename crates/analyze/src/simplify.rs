@@ -1,27 +1,42 @@
 //! Simplification: joins and drops pieces until the drawing is worth its bytes.
 
+use super::Behind;
 use super::grid::Cells;
+use super::ground::Ground;
 use super::joining;
 use super::palette::Palette;
 use super::partition::Partition;
+use super::pursuit::Shade;
 use super::rate_distortion::RateDistortion;
 use super::shading;
 use super::shapes::{self, ExemplarPieces, FlatPatch};
 use image::RgbImage;
+use std::collections::BTreeMap;
+use vtex_base::error::Result;
 use vtex_base::parallel;
+use vtex_base::progress::{Progress, SideBySide};
 use vtex_base::raster::Mask;
+use vtex_base::raster::colour::Colour;
 use vtex_scene::library::{AnalyzeParams, Shading};
 
-/// Joins details, shades them softly, and drops patches that cost more bytes than they save error. If `max_paths` is
-/// above 0, the cost of a byte rises until at most that many shapes remain; a warning says if the
+/// Colours of all soft ellipses of a photograph.
+const COLOURS: usize = 128;
+
+/// Joins details, shades them softly, and drops patches that cost more bytes than they save error, or that spots
+/// replace. If `max_paths` is above 0, the cost of a byte rises until at most that many shapes remain; a warning says if the
 /// primaries alone exceed it.
 /// Then, if colours are limited, clusters those of all pieces, and joins neighbouring details of one colour.
+///
+/// # Errors
+/// [`vtex_base::Error::Interrupted`].
 pub(super) fn simplify(
     partition: &Partition<'_>,
     details: &[Vec<Cells<Mask>>],
     patches: Vec<FlatPatch>,
+    behind: &Behind<'_>,
     warnings: &mut Vec<String>,
-) -> ExemplarPieces {
+    progress: &dyn Progress,
+) -> Result<ExemplarPieces> {
     let Partition { params, clean, grid, .. } = partition;
     let join = |cost: RateDistortion| parallel::map(details, |masks| joining::join(clean, masks, cost));
     let worthwhile = |cost: RateDistortion, p: &FlatPatch| cost.is_worth(p.mask.area(), p.difference);
@@ -42,18 +57,39 @@ pub(super) fn simplify(
             ));
         }
     }
-    let secondaries = patches.into_iter().filter(|p| worthwhile(cost, p)).collect();
+    let secondaries: Vec<FlatPatch> = patches.into_iter().filter(|p| worthwhile(cost, p)).collect();
     let palette = Palette::new(&[], 0, params.seed);
     let is_soft = params.shading == Shading::Soft && params.colors == 0 && params.max_paths == 0;
-    let (details, shades) = if is_soft {
+    if is_soft {
         cost = cost.dearer(shading::DEARER);
-        let shaded = shading::shaded(partition, details, cost);
-        shaded.into_iter().map(|s| (s.details, s.shades)).unzip()
-    } else {
-        (join(cost), vec![Vec::new(); details.len()])
-    };
-    let pieces = ExemplarPieces { details, shades, secondaries, cost, palette };
-    if params.colors == 0 { pieces } else { reduce_colours(clean, pieces, params) }
+        let tasks = SideBySide::new(progress, "joining");
+        let (shaded, ground) = parallel::join(
+            || shading::shaded(partition, details, cost, &tasks.silent()),
+            || Ground::new(partition, secondaries, cost, behind, &tasks.silent()),
+        );
+        let (mut shaded, mut ground) = (shaded?, ground?);
+        let spots = ground.spots.iter_mut().map(|spot| &mut spot.shade);
+        share_colours(shaded.iter_mut().flat_map(|s| &mut s.shades).chain(spots), params.seed);
+        let Ground { patches: secondaries, spots } = ground;
+        let (details, shades) = shaded.into_iter().map(|s| (s.details, s.shades)).unzip();
+        return Ok(ExemplarPieces { details, shades, secondaries, spots, cost, palette });
+    }
+    let (details, shades) = (join(cost), vec![Vec::new(); details.len()]);
+    let pieces = ExemplarPieces { details, shades, secondaries, spots: Vec::new(), cost, palette };
+    Ok(if params.colors == 0 { pieces } else { reduce_colours(clean, pieces, params) })
+}
+
+/// Gives soft ellipses the nearest of [`COLOURS`] colours.
+fn share_colours<'s>(shades: impl Iterator<Item = &'s mut Shade>, seed: u64) {
+    let mut shades: Vec<&mut Shade> = shades.collect();
+    // Clusters of thousands of ellipses come out the same from colours to a few steps.
+    let mut counts: BTreeMap<Colour, u32> = BTreeMap::new();
+    for shade in &shades {
+        *counts.entry(Colour(shade.colour.0.map(|v| v / 6 * 6 + 3))).or_default() += 1;
+    }
+    let colours: Vec<(Colour, u32)> = counts.into_iter().collect();
+    let palette = Palette::new(&colours, COLOURS, seed);
+    shades.iter_mut().for_each(|shade| shade.colour = palette.nearest(shade.colour));
 }
 
 /// Clusters the colours of all pieces into a palette of `colors` entries, and joins neighbouring

@@ -18,7 +18,7 @@ use vtex_base::error::{Error, Large, Result};
 use vtex_base::geometry::{Affine, Outline, PathEl, Rect, Vec2};
 use vtex_base::parallel;
 use vtex_base::raster::colour::Colour;
-use vtex_scene::element::{Ellipse, GradientKind, Stop};
+use vtex_scene::element::{GradientKind, Stop};
 use vtex_scene::scene::{Gradient, Instance, Scene, Shape};
 
 /// Height of the bands drawn at a time, in pixels.
@@ -149,7 +149,7 @@ impl Detail {
             return Some(Self { path, paint, soft: None });
         };
         let path = PathBuilder::from_circle(0.0, 0.0, 1.0)?;
-        let paint = paint(shape, shape.colour, Some(&Ellipse::brush(shape.colour)));
+        let paint = paint(shape, shape.colour, Some(&ellipse.profile.brush(shape.colour)));
         Some(Self { path, paint, soft: Some(ellipse.map()) })
     }
 }
@@ -266,7 +266,13 @@ impl<'a> PreparedScene<'a> {
         }
         let transform = band_transform(placed.affine, top);
         let element = self.scene.element(instance);
-        if let Some(path) = &drawing.base {
+        if let Some((ellipse, colour)) = element.spot(instance.colour) {
+            if let Some(path) = PathBuilder::from_circle(0.0, 0.0, 1.0) {
+                let transform = band_transform(placed.affine * ellipse.map(), top);
+                let paint = paint(element.base(), colour, Some(&ellipse.profile.brush(colour)));
+                band.fill_path(&path, &paint, FillRule::Winding, transform, None);
+            }
+        } else if let Some(path) = &drawing.base {
             let (colour, gradient) = element.paint(instance.colour);
             band.fill_path(
                 path,

@@ -3,8 +3,7 @@
 use vtex_base::geometry::{Affine, BezPath, Curve, Outline, Point, parse_path};
 use vtex_base::raster::colour::Colour;
 use vtex_base::sampling::{Area, Stream, poisson_disk, stream};
-use vtex_scene::element::Ellipse;
-use vtex_scene::element::{Cap, GradientKind, Join, Line, Stop};
+use vtex_scene::element::{Cap, Ellipse, GradientKind, Join, Line, Profile, Stop};
 use vtex_scene::scene::{
     ControlPoint, Element, ElementId, Field, Gradient, Instance, InstanceId, Layer, LibraryRef, Role, Scene,
     Shadow, Shape, Stroke, SynthParams, Tile, testing,
@@ -82,11 +81,12 @@ pub(super) fn scene(width: u32, height: u32, seed: u64) -> Scene {
             }
             if details > 0 && i % 4 == 2 {
                 // One within the outline, one across it.
-                let soft = |x: f64, colour| {
+                let soft = |x: f64, colour, profile| {
                     let matrix = [0.6, 0.2, 0.4].map(|v| v * radius);
-                    Shape::of_ellipse(Ellipse { centre: [x * radius, 0.0], matrix }, Colour(colour))
+                    Shape::of_ellipse(Ellipse { centre: [x * radius, 0.0], matrix, profile }, Colour(colour))
                 };
-                let pair = [soft(0.1, [40, 50, 20]), soft(0.8, [230, 220, 200])];
+                let pair =
+                    [soft(0.1, [40, 50, 20], Profile::Sharp), soft(0.8, [230, 220, 200], Profile::Soft)];
                 element.shapes.extend(pair.into_iter().flatten());
             }
             element

@@ -82,7 +82,7 @@ pub(crate) fn place(
     }
     let mut placed = painted(libraries, placed, field);
     placed.extend(came);
-    placed.sort_by_key(PlacedSecondary::painting_key);
+    placed.sort_by_key(|p| p.painting_key(libraries));
     placed
 }
 
@@ -98,13 +98,15 @@ fn arrived(
     let mut random = stream(seed, "correspondence/secondaries", 0);
     for (number, library) in libraries.iter().enumerate() {
         let samples: Vec<Vec<[f64; 2]>> = library.secondaries().iter().map(samples).collect();
-        let mut came: Vec<PlacedSecondary> =
-            (correspondence.secondaries(library, number, map.model()).into_iter())
-                .map(|Arrived { secondary, at, variation }| {
-                    let colour = coarse(library.secondaries()[secondary as usize].colour.to_f64());
-                    PlacedSecondary { library: number, secondary, at, variation, colour }
-                })
-                .collect();
+        let mut came: Vec<PlacedSecondary> = (correspondence
+            .secondaries(library, number, map.model())
+            .into_iter())
+        .map(|Arrived { secondary, at, variation }| {
+            let own = &library.secondaries()[secondary as usize];
+            let colour = if own.shapes[0].is_soft() { own.colour } else { coarse(own.colour.to_f64()) };
+            PlacedSecondary { library: number, secondary, at, variation, colour }
+        })
+        .collect();
         if !map.region.is_plain() {
             came.retain(|p| {
                 let level = map.region.density(p.at.map(f64::from));
@@ -118,7 +120,7 @@ fn arrived(
         let seen = parallel::map(&came, seen).into_iter();
         placed.extend(came.into_iter().zip(seen).filter(|c| c.1).map(|c| c.0));
     }
-    placed.sort_by_key(PlacedSecondary::painting_key);
+    placed.sort_by_key(|p| p.painting_key(libraries));
     placed
 }
 
@@ -163,12 +165,15 @@ fn tones(library: &Library) -> [[f64; 2]; 3] {
 }
 
 impl PlacedSecondary {
-    /// Sort key for painting. It puts equal fills side by side, for smaller files. Secondaries hardly
-    /// overlap, so their painting order matters little. Fills are mixed, so that no tone is always on top.
-    pub(crate) fn painting_key(&self) -> impl Ord + use<> {
+    /// Sort key for painting. Soft ones lie below, in the order of the exemplar. Others hardly overlap, so their
+    /// order matters little: equal fills stand side by side, for smaller files, and fills are mixed, so that no tone
+    /// is always on top.
+    pub(crate) fn painting_key(&self, libraries: &[Library]) -> impl Ord + use<> {
+        let is_soft = libraries[self.library].secondaries()[self.secondary as usize].shapes[0].is_soft();
         let [r, g, b] = self.colour.0.map(u32::from);
         let colour = (r << 16 | g << 8 | b).wrapping_mul(0x9e37_79b1);
-        (colour, self.at[1], self.at[0], self.library, self.secondary)
+        let order = if is_soft { self.secondary } else { colour };
+        (!is_soft, order, self.at[1], self.at[0], self.library, self.secondary)
     }
 }
 

@@ -145,7 +145,7 @@ pub(super) fn secondaries<'s>(
     }
     let painted = secondaries::painted(libraries, fresh, interpolant);
     found.extend(painted.into_iter().map(|p| (WarpedSecondary::New(p), p)));
-    found.sort_by_key(|(_, placed)| placed.painting_key());
+    found.sort_by_key(|(_, placed)| placed.painting_key(libraries));
     found.into_iter().map(|f| f.0).collect()
 }
 

@@ -191,9 +191,16 @@ fn drawn_on(
         let gradient = shape.gradient.as_ref().and_then(|g| g.drawn(map));
         (!outline.is_empty()).then(|| Shape { gradient, ..shape.with_outline(outline) })
     };
-    // Soft ellipses are seen on another shape only.
-    let new: Vec<Shape> = shapes.iter().filter_map(moved).skip_while(Shape::is_soft).collect();
+    // Soft ellipses are seen on another shape, or alone.
+    let new: Vec<Shape> = match shapes {
+        [spot] if spot.is_soft() => moved(spot).into_iter().collect(),
+        _ => shapes.iter().filter_map(moved).skip_while(Shape::is_soft).collect(),
+    };
     let Some(outline) = replaced else {
+        // Nothing is seen on a spot.
+        if element.base().is_soft() {
+            return element.clone();
+        }
         return element.with_shapes(element.shapes.iter().cloned().chain(new).collect());
     };
     if new.is_empty() {

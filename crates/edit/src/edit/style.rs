@@ -43,10 +43,13 @@ pub(super) fn keep_widths(instance: &mut Instance, before: f64) {
 }
 
 pub(super) fn flatten(scene: &mut Scene, chosen: &Chosen) {
-    change(scene, chosen, |element, _| Element {
-        silhouette: None,
-        shapes: vec![Shape::new(element.outline().clone(), mean(element))],
-        ..*element
+    change(scene, chosen, |element, _| match element.spot(None) {
+        Some(_) => element.clone(),
+        None => Element {
+            silhouette: None,
+            shapes: vec![Shape::new(element.outline().clone(), mean(element))],
+            ..*element
+        },
     });
 }
 

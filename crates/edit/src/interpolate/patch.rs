@@ -8,6 +8,7 @@ use super::ring::{Ring, alignment, count, even, moments, sine_cosine, turned};
 use vtex_base::geometry::{Cage, Outline, Point, inside, nearest};
 use vtex_base::raster::colour::Colour;
 use vtex_base::sampling::Stream;
+use vtex_scene::element::Profile;
 use vtex_scene::scene::Shape;
 
 /// Fit tolerance of outlines, in pixels.
@@ -20,8 +21,8 @@ pub(super) struct CentredDetail {
     /// Its rings, the largest first.
     pub(super) rings: Vec<Ring>,
     pub(super) paint: ShapePaint,
-    /// Whether it is a soft ellipse, whose rim `rings` are.
-    pub(super) soft: bool,
+    /// The profile of a soft ellipse, whose rim `rings` are.
+    pub(super) profile: Option<Profile>,
 }
 
 /// A detail that changes over time.
@@ -32,8 +33,8 @@ pub(super) struct MovingDetail {
     paints: [Option<(ShapePaint, Point)>; 2],
     /// Position in the painting order at either end, 0 to 1.
     keys: [f64; 2],
-    /// Whether it is a soft ellipse at either end.
-    soft: [bool; 2],
+    /// The profile at either end where it is a soft ellipse.
+    profiles: [Option<Profile>; 2],
 }
 
 /// A ring that changes over time.
@@ -94,8 +95,8 @@ impl MovingRing {
 impl MovingDetail {
     /// The detail at time `t`; `None` while it does not exist.
     pub(super) fn at(&self, carry: &Carry<'_>, t: f64) -> Option<Shape> {
-        let soft = self.is_soft(t);
-        let carry = &Carry { clips: soft, ..*carry };
+        let profile = self.profile(t);
+        let carry = &Carry { clips: profile.is_some(), ..*carry };
         let rings: Vec<Ring> = self.rings.iter().filter_map(|part| part.at(carry, t)).collect();
         let (area, centre) = rings.first().map(|r| moments(r))?;
         if area.abs() < 0.2 {
@@ -114,15 +115,15 @@ impl MovingDetail {
             (None, None) => return None,
         };
         let outline = Outline::along(&rings, TOLERANCE).filter(|o| !o.is_empty())?;
-        if soft {
-            return Shape::soft_along(&outline, paint.colour);
+        if let Some(profile) = profile {
+            return Shape::soft_along(&outline, paint.colour, profile);
         }
         Some(Shape { gradient: paint.gradient.map(Box::new), ..Shape::new(outline, paint.colour) })
     }
 
-    /// Whether it is a soft ellipse at time `t`.
-    pub(super) fn is_soft(&self, t: f64) -> bool {
-        self.soft[usize::from(t >= 0.5)]
+    /// The profile at time `t` if it is a soft ellipse then.
+    pub(super) fn profile(&self, t: f64) -> Option<Profile> {
+        self.profiles[usize::from(t >= 0.5)]
     }
 
     /// All its rings at time `t`, always with the same numbers of points.
@@ -174,8 +175,8 @@ pub(super) fn patches(
         if let Some(rings) = paired_rings([&pair[0].rings, &pair[1].rings], turn) {
             let centre = |side: usize| moments(&pair[side].rings[0]).1;
             let paints = [0, 1].map(|side| Some((pair[side].paint.clone(), centre(side))));
-            let soft = pair.map(|detail| detail.soft);
-            out.push(MovingDetail { rings, paints, keys: [key(0, i), key(1, k)], soft });
+            let profiles = pair.map(|detail| detail.profile);
+            out.push(MovingDetail { rings, paints, keys: [key(0, i), key(1, k)], profiles });
         }
     }
     for side in 0..2 {
@@ -188,7 +189,7 @@ pub(super) fn patches(
             let mut paints = [None, None];
             paints[side] = Some((detail.paint.clone(), centre));
             let rings = detail.rings.iter().map(part).collect();
-            out.push(MovingDetail { rings, paints, keys: [key(side, k); 2], soft: [detail.soft; 2] });
+            out.push(MovingDetail { rings, paints, keys: [key(side, k); 2], profiles: [detail.profile; 2] });
         }
     }
     out

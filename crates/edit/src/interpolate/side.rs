@@ -7,7 +7,6 @@ use super::ring::{Ring, moments, transformed};
 use vtex_base::geometry::{Affine, Outline, Point};
 use vtex_base::parallel;
 use vtex_base::raster::colour::Colour;
-use vtex_scene::element::Ellipse;
 use vtex_scene::scene::{Element, Gradient, Instance, LibraryId, LibraryRef, Scene};
 
 /// Largest distance between a polygon and its curve, in pixels.
@@ -87,7 +86,7 @@ impl<'a> Side<'a> {
         let details = details.filter(|(rings, _)| !rings.is_empty()).map(|(rings, patch)| CentredDetail {
             rings: transformed(rings, affine),
             paint: paint((patch.colour, patch.gradient.as_deref()), affine),
-            soft: patch.is_soft(),
+            profile: patch.ellipse.as_ref().map(|ellipse| ellipse.profile),
         });
         (area > 1e-3).then(|| CentredInstance {
             centre,
@@ -124,7 +123,7 @@ impl FlatTexton {
         };
         let mut all = 0.0;
         for (rings, patch) in details.iter().zip(element.details()) {
-            let share = if patch.is_soft() { Ellipse::MEAN_OPACITY } else { 1.0 };
+            let share = patch.ellipse.as_ref().map_or(1.0, |ellipse| ellipse.profile.mean_opacity());
             let weight = rings.first().map_or(0.0, |r| moments(r).0.abs()) * share;
             add(patch.colour, weight);
             (rest, all) = (rest - weight, all + weight);

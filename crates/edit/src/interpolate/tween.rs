@@ -12,6 +12,7 @@ use super::ring::{Ring, sine_cosine, turned};
 use super::side::{CentredInstance, Side, same};
 use vtex_base::geometry::{Affine, Outline, Point, Vec2};
 use vtex_base::sampling::Stream;
+use vtex_scene::element::Ellipse;
 use vtex_scene::scene::{Element, Instance, InstanceId, LibraryId, Scene, Shape};
 
 /// Duration in which an unmatched texton vanishes or appears, as a share of the whole time.
@@ -156,7 +157,8 @@ impl Tween {
             TweenKind::Pair(both) => {
                 let of = |side: usize| &layer.of(side, ends.scenes[side])[both.instances[side] as usize];
                 let effects = Effects::aligned(Effects::of(of(0)), Effects::of(of(1)));
-                Motion { id, shapes: MovingShape::with_effects(both.shapes(), effects), window: None }
+                let spot = ends.scenes[0].element(of(0)).spot(None).map(|spot| spot.0);
+                Motion { id, shapes: MovingShape::with_effects(both.shapes(spot), effects), window: None }
             }
             TweenKind::Unmatched { side, instance, centre, window } => {
                 let instance = &layer.of(*side, ends.scenes[*side])[*instance as usize];
@@ -164,7 +166,9 @@ impl Tween {
                 let (base, _) = element.paint(instance.colour);
                 let details =
                     element.details().iter().filter(|d| !d.is_soft()).map(|d| (&d.outline, d.colour));
-                let all = std::iter::once((&element.base().outline, base)).chain(details);
+                let spot = element.spot(None).and_then(|(ellipse, _)| ellipse.equal_disc().outline());
+                let outline = spot.as_ref().unwrap_or(&element.base().outline);
+                let all = std::iter::once((outline, base)).chain(details);
                 let moving = |(outline, colour): (&Outline, _)| {
                     MovingShape::resized(outline, instance.affine(), *centre, *side == 1, colour)
                 };
@@ -189,8 +193,8 @@ impl MatchedTextons {
         [turn * t, turn * (t - 1.0)]
     }
 
-    /// Outline and details at the beginning, at half-time and at the end.
-    fn shapes(&self) -> Vec<MovingShape> {
+    /// Outline and details at the beginning, at half-time and at the end. `spot` is the ellipse that the element is.
+    fn shapes(&self, spot: Option<&Ellipse>) -> Vec<MovingShape> {
         const TIMES: [f64; 3] = [0.0, 0.5, 1.0];
         let hulls = TIMES.map(|t| self.blend.at(t));
         let cages = hulls.each_ref().map(|hull| self.blend.cages(hull));
@@ -204,12 +208,14 @@ impl MatchedTextons {
         let centres = TIMES.map(|t| self.centres[0].lerp(self.centres[1], t));
         let outline = [0, 1, 2].map(|k| {
             let holes = self.holes.iter().map(|hole| hole.ring(&carries[k], TIMES[k]));
-            std::iter::once(hulls[k].clone()).chain(holes).collect()
+            let size = spot.map_or(1.0, |ellipse| libm::sqrt(ellipse.profile.mean_opacity()));
+            let hull = hulls[k].iter().map(|p| (p.to_vec2() * size).to_point()).collect();
+            std::iter::once(hull).chain(holes).collect()
         });
         let mut shapes = vec![MovingShape::new(outline, centres, self.paints.each_ref().map(|p| p.colour))];
         let mut order: Vec<(f64, &MovingDetail)> = self.details.iter().map(|d| (d.key(0.5), d)).collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let hard = order.iter().filter(|(_, patch)| !patch.is_soft(0.5));
+        let hard = order.iter().filter(|(_, patch)| patch.profile(0.5).is_none());
         shapes.extend(hard.map(|(_, patch)| {
             let rings = [0, 1, 2].map(|k| patch.rings(&carries[k], TIMES[k]));
             MovingShape::new(rings, centres, patch.colours())
@@ -245,14 +251,11 @@ impl MatchedTextons {
         let side = usize::from(t >= 0.5);
         let nearer = ends.scenes[side].element(instances[side]);
         let opacities = [0, 1].map(|side| ends.scenes[side].element(instances[side]).base().opacity);
-        let base = Shape {
-            outline,
-            line: None,
-            ellipse: None,
-            colour: paint.colour,
-            gradient: paint.gradient.map(Box::new),
-            opacity: opacities[0] + (opacities[1] - opacities[0]) * t,
+        let base = match nearer.spot(None) {
+            Some((ellipse, _)) => Shape::soft_along(&outline, paint.colour, ellipse.profile)?,
+            None => Shape { gradient: paint.gradient.map(Box::new), ..Shape::new(outline, paint.colour) },
         };
+        let base = Shape { opacity: opacities[0] + (opacities[1] - opacities[0]) * t, ..base };
         let element = Element {
             library: ends.libraries[side][nearer.library.index()],
             source: nearer.source,

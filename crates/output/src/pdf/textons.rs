@@ -9,8 +9,8 @@ use std::collections::BTreeMap;
 use std::io::Result;
 use vtex_base::geometry::{Affine, Outline, Rect, Vec2};
 use vtex_base::raster::colour::Colour;
-use vtex_scene::element::Ellipse;
-use vtex_scene::scene::{Element, ElementId, Instance, Scene, Shape};
+use vtex_scene::element::{Ellipse, Profile};
+use vtex_scene::scene::{Element, ElementId, Instance, Scene};
 
 /// Least number of path elements, in all copies but one, for which a texton gets an object of its own.
 const WORTH: usize = 40;
@@ -29,22 +29,22 @@ pub(super) struct PdfTextons<'a> {
     brushes: BrushForms,
 }
 
-/// The discs of soft ellipses that are defined already, by colour.
+/// The discs of soft ellipses that are defined already, by profile and colour.
 #[derive(Default)]
-struct BrushForms(BTreeMap<Colour, Ref>);
+struct BrushForms(BTreeMap<(Profile, Colour), Ref>);
 
 impl BrushForms {
     /// The unit disc in one colour.
-    fn form(&mut self, colour: Colour, file: &mut File) -> Result<Ref> {
-        if let Some(form) = self.0.get(&colour) {
+    fn form(&mut self, profile: Profile, colour: Colour, file: &mut File) -> Result<Ref> {
+        if let Some(form) = self.0.get(&(profile, colour)) {
             return Ok(*form);
         }
         let bounds = Rect::new(-1.0, -1.0, 1.0, 1.0);
         let mut content = ContentStream::default();
-        set_gradient(&mut content, file, &Ellipse::brush(colour), bounds)?;
+        set_gradient(&mut content, file, &profile.brush(colour), bounds)?;
         content.fill_rectangle(bounds);
         let form = content.form(file, bounds)?;
-        self.0.insert(colour, form);
+        self.0.insert((profile, colour), form);
         Ok(form)
     }
 }
@@ -91,8 +91,9 @@ impl<'a> PdfTextons<'a> {
             let key = (instance.element, instance.colour);
             let element = self.scene.element(instance);
             // Gradients are drawn in forms of their own.
-            let shared = self.uses[&key].saturating_sub(1) * path_elements(element) >= WORTH
-                || has_gradient(element, instance.colour);
+            let shared = !element.base().is_soft()
+                && (self.uses[&key].saturating_sub(1) * path_elements(element) >= WORTH
+                    || has_gradient(element, instance.colour));
             for affine in self.places(instance) {
                 if let Some(shadow) = &instance.shadow {
                     let form = self.shadow(instance, shadow, file)?;
@@ -181,6 +182,9 @@ fn paint(
     file: &mut File,
     brushes: &mut BrushForms,
 ) -> Result<()> {
+    if let Some((ellipse, colour)) = element.spot(colour) {
+        return paint_softly(ellipse, (colour, element.base().opacity), content, file, brushes);
+    }
     let mut last = None;
     let seen = element.shapes.iter().enumerate().filter(|(_, shape)| !is_empty(&shape.outline));
     let seen: Vec<_> = seen.collect();
@@ -188,7 +192,10 @@ fn paint(
         if run[0].1.is_soft() {
             content.within(|c| -> Result<()> {
                 c.clip(&element.base().outline, &[Vec2::ZERO]);
-                run.iter().try_for_each(|(_, shape)| paint_softly(shape, c, file, brushes))
+                run.iter().try_for_each(|(_, shape)| match &shape.ellipse {
+                    Some(ellipse) => paint_softly(ellipse, (shape.colour, shape.opacity), c, file, brushes),
+                    None => Ok(()),
+                })
             })?;
             continue;
         }
@@ -220,18 +227,18 @@ fn paint(
     Ok(())
 }
 
-/// A soft ellipse.
+/// A soft ellipse of one colour and opacity.
 fn paint_softly(
-    shape: &Shape,
+    ellipse: &Ellipse,
+    (colour, opacity): (Colour, f64),
     content: &mut ContentStream,
     file: &mut File,
     brushes: &mut BrushForms,
 ) -> Result<()> {
-    let Some(ellipse) = &shape.ellipse else { return Ok(()) };
-    let form = brushes.form(shape.colour, file)?;
+    let form = brushes.form(ellipse.profile, colour, file)?;
     content.within(|c| {
-        if shape.opacity != 1.0 {
-            set_opacity(c, file, shape.opacity);
+        if opacity != 1.0 {
+            set_opacity(c, file, opacity);
         }
         c.transform(ellipse.map());
         c.draw(form);

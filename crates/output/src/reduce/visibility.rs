@@ -37,14 +37,14 @@ impl Ranks {
         for (t, element) in scene.elements.iter().enumerate() {
             for (d, detail) in element.details().iter().enumerate() {
                 let seen = sizes[t] * detail.area() * distance(detail.colour, beneath(element, d));
-                all.push((seen / detail_bytes(detail), ShapePlace::Detail(t, d)));
+                all.push((seen / shape_bytes(detail), ShapePlace::Detail(t, d)));
             }
         }
         // The cost of an instance: a reference and a share of the definition where there is one.
         let own_bytes: Vec<f64> = (scene.elements.iter().zip(&uses))
             .map(|(element, &uses)| {
-                let whole = bytes(element.outline());
-                if uses > 1 { REFERENCE + whole / uses as f64 } else { whole }
+                let whole = shape_bytes(element.base());
+                if uses > 1 && !element.base().is_soft() { REFERENCE + whole / uses as f64 } else { whole }
             })
             .collect();
         let mut instances = Vec::new();
@@ -60,7 +60,7 @@ impl Ranks {
                 let beneath =
                     field.as_ref().map_or(Colour::default(), |f| Colour::from_f64(f.at(at.x, at.y)));
                 let contrast = distance(instance.colour.unwrap_or(element.base().colour), beneath);
-                let area = element.outline().area() * affine.determinant().abs();
+                let area = element.base().area() * affine.determinant().abs();
                 let own: f64 = element.details().iter().map(|p| p.area() * distance(p.colour, beneath)).sum();
                 let bytes = own_bytes[instance.element.index()];
                 all.push(((area * contrast + own) / bytes, ShapePlace::Instance(k, i)));
@@ -126,11 +126,11 @@ fn beneath(element: &Element, detail: usize) -> Colour {
         .map_or(element.base().colour, |p| p.colour)
 }
 
-/// About how many bytes of an SVG a detail takes.
-fn detail_bytes(detail: &Shape) -> f64 {
-    /// A reference to a brush, which compresses to a tenth of it.
-    const SOFT: f64 = 60.0;
-    if detail.is_soft() { SOFT } else { bytes(&detail.outline) }
+/// About how many bytes of an SVG a shape takes.
+fn shape_bytes(shape: &Shape) -> f64 {
+    /// A circle, which packs to a sixth of its bytes.
+    const SOFT: f64 = 75.0;
+    if shape.is_soft() { SOFT } else { bytes(&shape.outline) }
 }
 
 /// Approximate number of bytes of a path in an SVG.

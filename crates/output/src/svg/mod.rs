@@ -16,13 +16,14 @@
 //! stands once (`t12` is element 12 with a category, `s340` element 340 without one, `t12-2` that of
 //! library 2 where there are several); in an expanded file in
 //! `data-source` and `data-library` of its first path; its *place in the painting order* in the order of
-//! the document. What stands in such a layer without an id is a copy of what its `xlink:href` or
+//! the document. Soft ellipses that are elements of their own have a brush and a place, and no id. What stands in such a layer without an id is a copy of what its `xlink:href` or
 //! `data-copy-of` names. The layers are layers in Inkscape too, and the symbols have titles.
 //!
 //! Ids: layers `background`, `secondary`, `primary`, or `layer-` and a name of their own, with `-region`
 //! their clip paths; `p7` the instance of id 7; `t…` and `s…` the elements, `t12g` the gradient of one,
-//! `t12s` its shadow (`t12s2` another), `t12o` its bare outline; `g5` any other gradient; `b…` those of
-//! fields; `inside` a group that a domain clips, `domain` its clip path; `texture` the pattern.
+//! `t12s` its shadow (`t12s2` another), `t12o` its bare outline; `g5` any other gradient; `u3` the brush of
+//! soft ellipses of one colour, `c8` the clip path of those of an element; `b…` the gradients of fields;
+//! `inside` a group that a domain clips, `domain` its clip path; `texture` the pattern.
 
 mod animation;
 mod background;

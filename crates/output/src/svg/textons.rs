@@ -110,7 +110,7 @@ impl<'a> SvgTextons<'a> {
             shadows,
             shared_shadows,
             outlined,
-            brushes: Brushes::new(scene, expand, precision),
+            brushes: Brushes::new(scene, precision),
             clips: Cell::new(0),
         };
         let mut uses = vec![0; scene.elements.len()];
@@ -133,7 +133,9 @@ impl<'a> SvgTextons<'a> {
         for instance in scene.instances() {
             textons.inherits[instance.element.index()] |= instance.colour.is_some();
         }
-        textons.shared = uses.iter().map(|&n| n > 1 && !expand).collect();
+        let is_shared =
+            |(element, &uses): (&Element, &usize)| uses > 1 && !expand && !element.base().is_soft();
+        textons.shared = scene.elements.iter().zip(&uses).map(is_shared).collect();
         let with_line =
             |(i, asked): (usize, bool)| asked && textons.shared[i] && !scene.elements[i].details().is_empty();
         textons.outlined = outlined.into_iter().enumerate().map(with_line).collect();
@@ -239,11 +241,12 @@ impl<'a> SvgTextons<'a> {
         }
     }
 
-    /// The single colour of a placed texton; `None` if it has details or a gradient.
+    /// The single colour of a placed texton; `None` if it has details or a gradient, or is soft.
     pub(super) fn fill(&self, instance: &Instance) -> Option<Colour> {
         let element = self.scene.element(instance);
-        let one =
-            element.details().is_empty() && (element.base().gradient.is_none() || instance.colour.is_some());
+        let one = element.details().is_empty()
+            && !element.base().is_soft()
+            && (element.base().gradient.is_none() || instance.colour.is_some());
         one.then(|| instance.colour.unwrap_or(element.base().colour))
     }
 
@@ -262,7 +265,10 @@ impl<'a> SvgTextons<'a> {
         if let Some(shadow) = &instance.shadow {
             self.write_shadow_of(xml, instance, shadow, affine)?;
         }
-        if !self.shared[index] {
+        let element = &self.scene.elements[index];
+        if let Some((ellipse, colour)) = element.spot(instance.colour) {
+            self.brushes.write(xml, ellipse, (colour, element.base().opacity), affine)?;
+        } else if !self.shared[index] {
             let base = if with_fill { base } else { Base::Inherited };
             self.write_paths(xml, index, base, Some(affine))?;
         } else {
@@ -401,7 +407,8 @@ impl<'a> SvgTextons<'a> {
                 xml.attribute("clip-path", format_args!("url(#c{clip})"));
                 for shape in run {
                     if let Some(ellipse) = &shape.ellipse {
-                        self.brushes.write(xml, shape, ellipse, affine.unwrap_or_default())?;
+                        let paint = (shape.colour, shape.opacity);
+                        self.brushes.write(xml, ellipse, paint, affine.unwrap_or_default())?;
                     }
                 }
                 xml.close()?;

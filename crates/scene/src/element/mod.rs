@@ -15,7 +15,7 @@ mod tests;
 pub(crate) mod version1;
 
 pub use appearance::Appearance;
-pub use ellipse::Ellipse;
+pub use ellipse::{Ellipse, Profile};
 pub use gaussian::Gaussian;
 pub use gaussian::ROUND;
 pub use gradient::{Gradient, GradientKind, Stop};
@@ -135,9 +135,9 @@ pub(crate) fn deserialize_shapes<'de, D: Deserializer<'de>>(deserializer: D) -> 
 
 /// Bounding box of what shapes paint; empty at the origin if there are none.
 pub fn bounds(shapes: &[Shape]) -> Rect {
-    let mut all = shapes.iter().filter(|s| !s.is_soft()).map(|s| s.outline.bounds());
-    let first = all.next().unwrap_or_default();
-    all.fold(first, |sum, next| sum.union(next))
+    let Some((first, details)) = shapes.split_first() else { return Rect::default() };
+    let hard = details.iter().filter(|s| !s.is_soft()).map(|s| s.outline.bounds());
+    hard.fold(first.outline.bounds(), |sum, next| sum.union(next))
 }
 
 /// The outline of an element as a whole: its silhouette if it has one of its own, else the outline of
@@ -151,8 +151,8 @@ pub(crate) fn fault(shapes: &[Shape]) -> Option<String> {
     if shapes.is_empty() {
         return Some("has no shapes".into());
     }
-    if shapes[0].is_soft() {
-        return Some("has a soft ellipse as its first shape".into());
+    if shapes[0].is_soft() && shapes.len() > 1 {
+        return Some("has shapes on a soft ellipse".into());
     }
     shapes.iter().enumerate().find_map(|(i, shape)| Some(format!("shapes[{i}]: {}", shape.fault()?)))
 }

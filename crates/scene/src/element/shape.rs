@@ -1,6 +1,6 @@
 //! Shapes and their paint.
 
-use super::{Ellipse, Gradient, Line};
+use super::{Ellipse, Gradient, Line, Profile};
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::ser::SerializeStruct;
@@ -21,8 +21,8 @@ pub struct Shape {
     pub outline: Outline,
     /// The stroked path that has this outline; `None` for a filled outline.
     pub line: Option<Box<Line>>,
-    /// The soft ellipse that has this outline as its rim; `None` for other shapes. The first shape of an element
-    /// is none.
+    /// The soft ellipse that has this outline as its rim; `None` for other shapes. As the first shape of an element
+    /// it is the only one.
     pub ellipse: Option<Box<Ellipse>>,
     /// Fill or stroke colour; if there is a gradient, its mean colour.
     pub colour: Colour,
@@ -124,15 +124,15 @@ impl Shape {
         Some(Self { ellipse: Some(Box::new(ellipse)), ..Self::new(outline, colour) })
     }
 
-    /// Whether it is a soft ellipse, which is seen only within the first shape of its element.
+    /// Whether it is a soft ellipse, of either profile. It is seen only within the first shape of its element, unless
+    /// it is the first.
     pub fn is_soft(&self) -> bool {
         self.ellipse.is_some()
     }
 
     /// The area that it paints, in pixels²; that of a soft ellipse weighed by its opacity.
     pub fn area(&self) -> f64 {
-        let weight = if self.is_soft() { Ellipse::MEAN_OPACITY } else { 1.0 };
-        self.outline.area() * weight
+        self.outline.area() * self.ellipse.as_ref().map_or(1.0, |ellipse| ellipse.profile.mean_opacity())
     }
 
     /// The shape with a map that preserves angles applied. The outline stays as it was where the map
@@ -148,13 +148,13 @@ impl Shape {
     }
 
     /// The soft ellipse whose rim has the moments of an outline; `None` if the outline is degenerate.
-    pub fn soft_along(outline: &Outline, colour: Colour) -> Option<Self> {
-        Self::of_ellipse(Ellipse::of_outline(outline)?, colour)
+    pub fn soft_along(outline: &Outline, colour: Colour, profile: Profile) -> Option<Self> {
+        Self::of_ellipse(Ellipse::of_outline(outline, profile)?, colour)
     }
 
     /// The shape filled, with another outline; a soft ellipse becomes the one along it.
     pub fn with_outline(&self, outline: Outline) -> Self {
-        let soft = self.ellipse.as_ref().and_then(|_| Self::soft_along(&outline, self.colour));
+        let soft = self.ellipse.as_ref().and_then(|e| Self::soft_along(&outline, self.colour, e.profile));
         match soft {
             Some(soft) => Self { opacity: self.opacity, ..soft },
             None => Self { outline, line: None, ellipse: None, gradient: self.gradient.clone(), ..*self },

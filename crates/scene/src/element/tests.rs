@@ -33,7 +33,7 @@ fn filled_and_stroked_shapes_are_read_as_they_were_written() {
 
 #[test]
 fn soft_ellipses_are_stored_by_their_matrix() {
-    let ellipse = Ellipse { centre: [4.0, 3.0], matrix: [2.0, 0.5, 1.0] };
+    let ellipse = Ellipse { centre: [4.0, 3.0], matrix: [2.0, 0.5, 1.0], profile: Profile::Soft };
     let soft = Shape::of_ellipse(ellipse, Colour([7; 3])).unwrap();
     let text = serde_json::to_string(&soft).unwrap();
     assert_eq!(text, r##"{"ellipse":{"centre":[4.0,3.0],"matrix":[2.0,0.5,1.0]},"colour":"#070707"}"##);
@@ -44,7 +44,13 @@ fn soft_ellipses_are_stored_by_their_matrix() {
     let base = Shape::new(Outline::new(&parse_path("M0 0h8v4h-8z").unwrap()).unwrap(), Colour([1; 3]));
     assert_eq!(bounds(&[base.clone(), soft.clone()]), base.outline.bounds());
     assert_eq!(fault(&[base.clone(), soft.clone()]), None);
-    assert!(fault(&[soft.clone(), base]).is_some_and(|f| f.contains("as its first shape")));
+    assert!(fault(&[soft.clone(), base]).is_some_and(|f| f.contains("shapes on a soft ellipse")));
+    // Alone it is an element.
+    assert_eq!(fault(std::slice::from_ref(&soft)), None);
+    assert_eq!(bounds(std::slice::from_ref(&soft)), soft.outline.bounds());
+    let sharp = Shape::of_ellipse(Ellipse { profile: Profile::Sharp, ..ellipse }, Colour([7; 3])).unwrap();
+    let text = serde_json::to_string(&sharp).unwrap();
+    assert!(text.contains(r#""profile":"sharp""#) && again(&sharp) == sharp, "{text}");
     // Another outline, another ellipse.
     let twice = soft.with_outline(soft.outline.moved(Affine::scale(2.0)));
     let matrix = twice.ellipse.unwrap().matrix;

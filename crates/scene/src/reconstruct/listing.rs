@@ -1,5 +1,6 @@
 //! Elements of a library as elements of a scene, each listed once.
 
+use crate::element::Profile;
 use crate::library::Library;
 use crate::scene::{Element, ElementId, LibraryId, Scene};
 use std::collections::BTreeMap;
@@ -12,9 +13,9 @@ pub struct Listing<'a> {
     library: &'a Library,
     /// Index in the scene of each of the library's elements.
     elements: Vec<Option<ElementId>>,
-    /// Shapes of elements that take their colour from the field, by path data. The smallest are often
-    /// identical to the pixel, and every instance has its own colour.
-    alike: BTreeMap<String, ElementId>,
+    /// Elements that take their colour from the field, by form. The smallest are often identical to the pixel, and
+    /// every instance has its own colour.
+    alike: BTreeMap<(String, Option<Profile>), ElementId>,
 }
 
 impl<'a> Listing<'a> {
@@ -33,7 +34,7 @@ impl<'a> Listing<'a> {
                 *place = Some(id);
             }
             if element.category.is_none() {
-                listing.alike.insert(element.outline().to_string(), id);
+                listing.alike.insert(form(element), id);
             }
         }
         listing
@@ -47,13 +48,18 @@ impl<'a> Listing<'a> {
         }
         let element = element(self.number, self.library, source);
         let id = if self.library.elements[source.index()].difference.is_some() {
-            *self.alike.entry(element.outline().to_string()).or_insert_with(|| scene.add(element))
+            *self.alike.entry(form(&element)).or_insert_with(|| scene.add(element))
         } else {
             scene.add(element)
         };
         self.elements[source.index()] = Some(id);
         id
     }
+}
+
+/// The path data of an element, and its profile if it is a soft ellipse.
+fn form(element: &Element) -> (String, Option<Profile>) {
+    (element.outline().to_string(), element.base().ellipse.as_ref().map(|ellipse| ellipse.profile))
 }
 
 /// A library's element for a scene, shifted so that its centroid in whole pixels is at (0, 0).

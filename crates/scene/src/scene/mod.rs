@@ -33,7 +33,7 @@ pub use splat::splat;
 pub use tile::Tile;
 pub(crate) use validate::{check_layer, check_spacing};
 
-use crate::element;
+use crate::element::{self, Ellipse};
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -214,6 +214,12 @@ impl Element {
             Some(colour) => (colour, None),
             None => (self.base().colour, self.base().gradient.as_deref()),
         }
+    }
+
+    /// The soft ellipse that the element is, and its colour in an instance with the colour `own`; `None` if the element
+    /// has an outline.
+    pub fn spot(&self, own: Option<Colour>) -> Option<(&Ellipse, Colour)> {
+        Some((self.base().ellipse.as_deref()?, own.unwrap_or(self.base().colour)))
     }
 
     /// Bounding box of its shapes, in its own coordinates.

@@ -8,7 +8,7 @@ use super::Correspondence;
 use crate::arrange::model::PlacementModel;
 use std::sync::OnceLock;
 use vtex_base::geometry::{Interior, Point};
-use vtex_scene::library::Library;
+use vtex_scene::library::{ExemplarElement, Library};
 
 /// Least copied share of a secondary whose origin's cell was not copied.
 const ARRIVED: f64 = 0.4;
@@ -118,7 +118,7 @@ impl Correspondence {
                 let canvas = [0, 1].map(|k| ([x, y][k] as i32 - self.margin[k]) * cell + cell / 2);
                 let (_, there) = self.source(canvas);
                 let Some(place) = sheet.exemplar(model, there) else { continue };
-                if let Some(secondary) = shapes.at(library, place) {
+                for secondary in shapes.at(library, place) {
                     let own = library.secondaries()[secondary as usize].origin();
                     let own = sheet.on_page(model, own, there);
                     votes.push((secondary, [0, 1].map(|k| canvas[k] + own[k] - there[k]), page));
@@ -130,7 +130,7 @@ impl Correspondence {
         known.sort_unstable();
         let arrived = |votes: &&[(u32, [i32; 2], usize)]| {
             let (secondary, at, _) = votes[0];
-            let area = f64::from(library.secondaries()[secondary as usize].area);
+            let area = covered(&library.secondaries()[secondary as usize]);
             let enough = votes.len() as f64 * f64::from(cell * cell) >= ARRIVED * area;
             enough && known.binary_search(&(secondary, at)).is_err()
         };
@@ -156,6 +156,11 @@ impl Correspondence {
             .iter()
             .all(|&(dx, dy)| continues(dx, dy))
     }
+}
+
+/// The number of pixels on which a secondary is found; a spot covers more than it paints.
+fn covered(secondary: &ExemplarElement) -> f64 {
+    if secondary.shapes[0].is_soft() { secondary.outline().area() } else { f64::from(secondary.area) }
 }
 
 /// The shapes of an exemplar's secondaries, by place.
@@ -188,14 +193,18 @@ impl SecondaryShapes {
         Self { columns, rows, buckets, regions }
     }
 
-    /// The secondary on a pixel of the exemplar.
-    fn at(&self, library: &Library, [x, y]: [i32; 2]) -> Option<u32> {
+    /// The secondaries on a pixel of the exemplar: all spots, and a patch.
+    fn at<'a>(&'a self, library: &'a Library, [x, y]: [i32; 2]) -> impl Iterator<Item = u32> + 'a {
         let (column, row) = ((x / BUCKET).clamp(0, self.columns - 1), (y / BUCKET).clamp(0, self.rows - 1));
         let middle = Point::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
-        let holds = |&&k: &&u32| {
+        let mut has_patch = false;
+        let holds = move |&k: &u32| {
             let outline = library.secondaries()[k as usize].outline();
             self.regions[k as usize].get_or_init(|| Interior::new(outline)).contains(middle)
         };
-        self.buckets[(row * self.columns + column) as usize].iter().find(holds).copied()
+        self.buckets[(row * self.columns + column) as usize].iter().copied().filter(holds).filter(move |&k| {
+            let is_spot = library.secondaries()[k as usize].shapes[0].is_soft();
+            is_spot || !std::mem::replace(&mut has_patch, true)
+        })
     }
 }
