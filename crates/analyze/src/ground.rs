@@ -8,10 +8,10 @@
 use super::Behind;
 use super::grid::{Cells, to_four_digits};
 use super::partition::Partition;
-use super::pursuit::{ROUNDS, Rules, Shade, Window};
+use super::patches::{FlatPatch, difference};
+use super::pursuit::{PaintedWindow, ROUNDS, Rules, Shade};
 use super::rate_distortion::{RateDistortion, SECONDARY_BYTES};
 use super::shading::ELLIPSE_BYTES;
-use super::shapes::{FlatPatch, difference};
 use image::RgbImage;
 use vtex_base::error::Result;
 use vtex_base::parallel;
@@ -32,11 +32,11 @@ const DEARER: f64 = 2.0;
 /// The ground of a photograph.
 pub(super) struct Ground {
     pub(super) patches: Vec<FlatPatch>,
-    pub(super) spots: Vec<Spot>,
+    pub(super) spots: Vec<GroundSpot>,
 }
 
 /// A soft ellipse between the primaries.
-pub(super) struct Spot {
+pub(super) struct GroundSpot {
     pub(super) shade: Shade,
     /// The background's colour at its centre.
     behind: [f64; 3],
@@ -71,12 +71,12 @@ impl Ground {
         }
         let mut shades = window.repaint(&shades, least, RULES);
         shades.extend(window.paint(least, ROUNDS, RULES, progress)?);
-        let spot = |shade: Shade| Spot { behind: behind(shade.ellipse.centre), shade };
+        let spot = |shade: Shade| GroundSpot { behind: behind(shade.ellipse.centre), shade };
         Ok(Self { patches, spots: shades.into_iter().map(spot).collect() })
     }
 }
 
-impl Spot {
+impl GroundSpot {
     /// The secondary that it is.
     pub(super) fn element(&self) -> Option<ExemplarElement> {
         let Shade { ellipse, colour } = self.shade;
@@ -96,7 +96,7 @@ impl Spot {
 }
 
 /// The squared error, over cells, that a patch takes away from what is painted.
-fn gain(image: &Cells<RgbImage>, window: &Window, patch: &FlatPatch, cells: u32) -> f64 {
+fn gain(image: &Cells<RgbImage>, window: &PaintedWindow, patch: &FlatPatch, cells: u32) -> f64 {
     let own = patch.colour.0.map(f32::from);
     let saved = patch.mask.pixels().map(|(x, y)| {
         let painted = window.painted[pixel(x, y, cells, window.width)];
@@ -114,7 +114,7 @@ fn pixel(x: i32, y: i32, cells: u32, width: usize) -> usize {
 }
 
 /// The whole photograph, of which all but the primaries is to be painted, with the background painted.
-fn window(partition: &Partition<'_>, behind: &Behind<'_>) -> Window {
+fn window(partition: &Partition<'_>, behind: &Behind<'_>) -> PaintedWindow {
     let (image, k) = (&partition.clean, partition.grid.cells);
     let (width, height) = ((image.width() / k) as usize, (image.height() / k) as usize);
     let mut is_free = vec![true; (image.width() * image.height()) as usize];
@@ -141,7 +141,7 @@ fn window(partition: &Partition<'_>, behind: &Behind<'_>) -> Window {
             }
         }
     });
-    Window {
+    PaintedWindow {
         width,
         height,
         corner: [0.0; 2],

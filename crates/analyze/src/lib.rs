@@ -18,6 +18,7 @@ mod moments;
 mod neighbours;
 mod palette;
 mod partition;
+mod patches;
 mod pictures;
 mod pursuit;
 mod rate_distortion;
@@ -120,10 +121,10 @@ fn analyze_whole(
     let partition = Partition::new(exemplar, &masks, params);
     progress.picture("primaries", &|| outlines(&partition.image, &partition.labels));
     advance(progress, "details", 0, partition.primaries.len() as u64)?;
-    let (backdrop, parts) = parts(&partition, progress)?;
+    let (background, parts) = parts(&partition, progress)?;
     advance(progress, "joining", 0, 1)?;
     let mut warnings = exemplar.warnings.clone();
-    let pieces = pieces(&partition, &backdrop.palette, parts, &mut warnings, progress)?;
+    let pieces = pieces(&partition, &background.palette, parts, &mut warnings, progress)?;
     advance(progress, "outlines", 0, 1)?;
     let shapes = shapes::outlines(&partition, &pieces);
     advance(progress, "categories", 0, 1)?;
@@ -133,7 +134,7 @@ fn analyze_whole(
         progress.warn(warning);
     }
     let source = Source { warnings, ..source(exemplar, segmenter, params) };
-    let library = library(exemplar, elements, backdrop, source, progress);
+    let library = library(exemplar, elements, background, source, progress);
     debug_assert_eq!(library.validate(), Ok(()));
     Ok(library)
 }
@@ -142,7 +143,7 @@ fn analyze_whole(
 type Behind<'a> = dyn Fn([f64; 2]) -> [f64; 3] + Sync + 'a;
 
 /// What lies behind all elements.
-struct Backdrop {
+struct BackgroundParts {
     palette: Field,
     strata: PhotographStrata,
     /// A map of the photograph with a label above 0 wherever there is an element.
@@ -157,7 +158,7 @@ struct ElementPieces {
 }
 
 /// Second stage: the details of primaries, joined secondaries, and the background behind them.
-fn parts(partition: &Partition<'_>, progress: &dyn Progress) -> Result<(Backdrop, ElementPieces)> {
+fn parts(partition: &Partition<'_>, progress: &dyn Progress) -> Result<(BackgroundParts, ElementPieces)> {
     let Partition { exemplar, params, in_cells, clean, .. } = partition;
     let primaries = partition.margin.inner(&partition.labels);
     let textons = partition.textons();
@@ -173,7 +174,7 @@ fn parts(partition: &Partition<'_>, progress: &dyn Progress) -> Result<(Backdrop
         parallel::join(|| parallel::join(details, strata), || parallel::join(palette, secondaries));
     let strata = strata?;
     progress.picture("background", &|| pictures::background(&exemplar.image, &textons, &palette));
-    Ok((Backdrop { palette, strata, textons }, ElementPieces { details, secondaries }))
+    Ok((BackgroundParts { palette, strata, textons }, ElementPieces { details, secondaries }))
 }
 
 /// Third stage: the pieces that are worth their bytes.
@@ -192,7 +193,7 @@ fn pieces(
         let [x, y] = margin.place(at);
         interpolant.at(x, y)
     };
-    let patches = shapes::patches(&partition.clean, parts.secondaries, partition.grid, &behind);
+    let patches = patches::flat_patches(&partition.clean, parts.secondaries, partition.grid, &behind);
     simplify::simplify(partition, &parts.details, patches, &behind, warnings, progress)
 }
 
@@ -200,7 +201,7 @@ fn pieces(
 fn library(
     exemplar: &Exemplar,
     elements: Elements,
-    backdrop: Backdrop,
+    background: BackgroundParts,
     source: Source,
     progress: &dyn Progress,
 ) -> Library {
@@ -214,7 +215,7 @@ fn library(
     progress.picture("descriptors", &|| pictures::descriptors(&labels, &ids, &centroids, descriptor_half));
     let spacing = secondaries::spacing(&centres(&secondaries), &labels);
     let elements: Vec<ExemplarElement> = primaries.into_iter().chain(secondaries).collect();
-    let Backdrop { palette, strata, textons } = backdrop;
+    let BackgroundParts { palette, strata, textons } = background;
     let layers = strata.layers(exemplar, [&labels, &textons], &elements, (palette, spacing), &params);
     let guide = Guide::of(&exemplar.image);
     Library {

@@ -2,7 +2,6 @@
 
 use super::grid::{Cells, SubpixelGrid};
 use super::margin::Margin;
-use super::shapes::ElementShapes;
 use super::unmix::unmixed;
 use super::{Exemplar, candidates, secondaries};
 use image::RgbImage;
@@ -36,6 +35,13 @@ pub(super) struct Partition<'a> {
     cut: Vec<u32>,
     /// Small patches between primaries.
     pub(super) patches: Vec<Cells<Mask>>,
+}
+
+/// The elements made from the pieces.
+pub(super) struct ElementShapes {
+    /// Primaries; their categories are not assigned yet.
+    pub(super) primaries: Vec<ExemplarElement>,
+    pub(super) secondaries: Vec<ExemplarElement>,
 }
 
 /// The elements of a photograph.

@@ -42,7 +42,7 @@ pub(super) struct Shade {
 
 /// A part of a photograph that is painted.
 #[derive(Clone)]
-pub(super) struct Window {
+pub(super) struct PaintedWindow {
     pub(super) width: usize,
     pub(super) height: usize,
     /// Place of its corner in the photograph.
@@ -69,7 +69,7 @@ pub(super) struct Rules {
 }
 
 /// What an ellipse in its best colour does.
-struct Fit {
+struct EllipseFit {
     /// By how much it reduces the squared error.
     gain: f64,
     colour: [f64; 3],
@@ -157,7 +157,7 @@ fn is_speck(ellipse: &Ellipse) -> bool {
     short >= SPECK_AXES[0] && long <= SPECK_AXES[1]
 }
 
-impl Window {
+impl PaintedWindow {
     /// Squared error over all pixels and components.
     pub(super) fn error(&self) -> f64 {
         let all = self.weight.iter().zip(&self.target).zip(&self.painted);
@@ -282,7 +282,7 @@ impl Window {
                 best = (fit, speck, sharp);
             }
         }
-        let (Fit { gain, colour, contrast, seen }, ellipse, fall) = best;
+        let (EllipseFit { gain, colour, contrast, seen }, ellipse, fall) = best;
         let permitted = gain >= least && contrast <= rules.contrast && seen >= rules.seen;
         if !permitted || self.harm(&ellipse, fall, colour) > rules.harm * gain {
             return None;
@@ -305,7 +305,7 @@ impl Window {
     }
 
     /// The colour in which an ellipse reduces the error most.
-    fn fit(&self, ellipse: &Ellipse, fall: &FallOff) -> Option<Fit> {
+    fn fit(&self, ellipse: &Ellipse, fall: &FallOff) -> Option<EllipseFit> {
         let (mut wanted, mut squares, mut before, mut black) = ([0f32; 3], 0f32, 0f32, 0f32);
         let (mut below, mut opacities) = ([0.0; 3], 1e-9);
         for (i, opacity) in self.covered(ellipse, fall) {
@@ -332,7 +332,7 @@ impl Window {
         let contrast = (0..3).map(|c| (colour[c] - below[c] / opacities).abs()).fold(0.0, f64::max);
         let [short, long] = ellipse.semi_axes();
         let seen = f64::from(squares) / (fall.mean_square * std::f64::consts::PI * short * long);
-        Some(Fit { gain: f64::from(before - after), colour, contrast, seen })
+        Some(EllipseFit { gain: f64::from(before - after), colour, contrast, seen })
     }
 
     /// The ellipse that has the moments of the error towards `colour` around a circle.
@@ -429,7 +429,7 @@ struct Level {
 
 impl Level {
     /// All levels of a window, each at half the resolution of the one before.
-    fn pyramid(window: &Window) -> Vec<Self> {
+    fn pyramid(window: &PaintedWindow) -> Vec<Self> {
         let (mut width, mut height, mut plane) = (window.width, window.height, window.weight.clone());
         let mut levels: Vec<Self> = Vec::new();
         loop {
@@ -517,11 +517,11 @@ mod tests {
     use super::*;
 
     /// A window of 60 × 60 on black.
-    fn window(target: impl Fn(f64, f64) -> f32) -> Window {
+    fn window(target: impl Fn(f64, f64) -> f32) -> PaintedWindow {
         let at = |i: usize| [i % 60, i / 60].map(|v| v as f64 + 0.5);
         let target = (0..3600).map(|i| [target(at(i)[0], at(i)[1]); 3]).collect();
         let (weight, painted) = (vec![1.0; 3600], vec![[0.0; 3]; 3600]);
-        Window { width: 60, height: 60, corner: [100.0, 50.0], weight, target, painted }
+        PaintedWindow { width: 60, height: 60, corner: [100.0, 50.0], weight, target, painted }
     }
 
     const RULES: Rules = Rules { contrast: f64::INFINITY, harm: 0.5, seen: 0.6, radius: 8.5 };

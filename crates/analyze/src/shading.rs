@@ -3,7 +3,7 @@
 use super::grid::{Cells, SubpixelGrid};
 use super::joining;
 use super::partition::Partition;
-use super::pursuit::{ROUNDS, Rules, Shade, Window};
+use super::pursuit::{PaintedWindow, ROUNDS, Rules, Shade};
 use super::rate_distortion::RateDistortion;
 use image::RgbImage;
 use vtex_base::error::Result;
@@ -78,7 +78,7 @@ fn window(
     details: &[Cells<Mask>],
     cost: RateDistortion,
     grid: SubpixelGrid,
-) -> Window {
+) -> PaintedWindow {
     let k = grid.cells as i32;
     let bounds = details.iter().filter_map(|m| m.bounds());
     let bounds = bounds.reduce(|a, b| (a.0.min(b.0), a.1.min(b.1), a.2.max(b.2), a.3.max(b.3)));
@@ -90,7 +90,7 @@ fn window(
         |&(x, y): &(i32, i32)| x >= 0 && y >= 0 && x < image.width() as i32 && y < image.height() as i32;
     for mask in details {
         let gradient = joining::gradient(image, mask, cost, grid);
-        let flat = super::shapes::median(image, mask).0.map(f32::from);
+        let flat = super::patches::median(image, mask).0.map(f32::from);
         for (x, y) in mask.pixels().filter(inside) {
             let fill = gradient.as_ref().map_or(flat, |g| {
                 let at = [x, y].map(|v| (f64::from(v) + 0.5) / grid.along());
@@ -111,7 +111,7 @@ fn window(
         }
     }
     let mean = |sum: [f32; 3], count: u32| sum.map(|v| v / count.max(1) as f32);
-    Window {
+    PaintedWindow {
         width,
         height,
         corner: [x0, y0].map(f64::from),
@@ -142,7 +142,7 @@ mod tests {
         (Cells(image), Cells(mask))
     }
 
-    fn shaded_disc(colour: impl Fn(f64, f64) -> [f64; 3]) -> (f64, Window, Vec<Shade>) {
+    fn shaded_disc(colour: impl Fn(f64, f64) -> [f64; 3]) -> (f64, PaintedWindow, Vec<Shade>) {
         let (image, mask) = disc(colour);
         let grid = SubpixelGrid { cells: 1 };
         let params = AnalyzeParams { shading: Shading::Soft, ..AnalyzeParams::default() };

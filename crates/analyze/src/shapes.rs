@@ -4,21 +4,19 @@
 //! primary are painted from the largest to the smallest. Each extends a little underneath those
 //! painted after it. The largest is the base, painted with the primary's whole outline.
 
-use super::Behind;
 use super::edges::Edges;
 use super::grid::{Cells, SubpixelGrid, to_four_digits};
-use super::ground::Spot;
+use super::ground::GroundSpot;
 use super::joining;
 use super::palette::Palette;
-use super::partition::Partition;
+use super::partition::{ElementShapes, Partition};
+use super::patches::{FlatPatch, median};
 use super::pursuit::Shade;
 use super::rate_distortion::RateDistortion;
-
-use image::RgbImage;
 use std::collections::{BTreeMap, BTreeSet};
 use vtex_base::geometry::{Affine, FittedMap, Outline, PlanarMap, Scale};
 use vtex_base::parallel;
-use vtex_base::raster::colour::{self, Colour};
+use vtex_base::raster::colour::Colour;
 use vtex_base::raster::{LabelMap, Mask, Span};
 use vtex_scene::library::{CategoryId, ExemplarElement, Shape};
 
@@ -33,16 +31,6 @@ const UNDERLAP: f64 = 0.6;
 /// background between adjacent secondaries.
 const SIDE_UNDERLAP: f64 = 0.15;
 
-/// A flat patch between the primaries.
-#[derive(Clone)]
-pub(super) struct FlatPatch {
-    pub(super) mask: Cells<Mask>,
-    /// Median colour of its pixels.
-    pub(super) colour: Colour,
-    /// Its colour minus the background's at its centroid, per component.
-    pub(super) difference: [i16; 3],
-}
-
 /// All pieces of an exemplar, disjoint.
 pub(super) struct ExemplarPieces {
     /// The details of each primary, which tile it.
@@ -52,47 +40,11 @@ pub(super) struct ExemplarPieces {
     /// The secondaries with outlines.
     pub(super) secondaries: Vec<FlatPatch>,
     /// The soft ones, below them.
-    pub(super) spots: Vec<Spot>,
+    pub(super) spots: Vec<GroundSpot>,
     /// The cost that a piece must save.
     pub(super) cost: RateDistortion,
     /// The colours of all pieces, if these are limited.
     pub(super) palette: Palette,
-}
-
-/// The elements made from the pieces.
-pub(super) struct ElementShapes {
-    /// Primaries; their categories are not assigned yet.
-    pub(super) primaries: Vec<ExemplarElement>,
-    pub(super) secondaries: Vec<ExemplarElement>,
-}
-
-/// Patches with their median colours, and these relative to the background's at their centroids, `behind`.
-pub(super) fn patches(
-    image: &Cells<RgbImage>,
-    masks: Vec<Cells<Mask>>,
-    grid: SubpixelGrid,
-    behind: &Behind<'_>,
-) -> Vec<FlatPatch> {
-    let found = parallel::map(&masks, |mask| {
-        let colour = median(image, mask);
-        (colour, difference(colour, behind(grid.centroid(mask))))
-    });
-    masks
-        .into_iter()
-        .zip(found)
-        .map(|(mask, (colour, difference))| FlatPatch { mask, colour, difference })
-        .collect()
-}
-
-/// A colour minus the background's, per component.
-pub(super) fn difference(colour: Colour, behind: [f64; 3]) -> [i16; 3] {
-    let own = colour.to_f64();
-    std::array::from_fn(|i| libm::round(own[i] - behind[i].clamp(0.0, 255.0)) as i16)
-}
-
-/// Median colour of the pixels of a mask.
-pub(super) fn median(image: &Cells<RgbImage>, mask: &Cells<Mask>) -> Colour {
-    colour::median(mask.pixels().map(|(x, y)| image.get_pixel(x as u32, y as u32).0)).unwrap_or_default()
 }
 
 /// Traces and fits all outlines. Colours are taken from the cells of the partition, edges from its photograph.
@@ -196,7 +148,7 @@ pub(super) fn outlines(partition: &Partition<'_>, pieces: &ExemplarPieces) -> El
             shapes: vec![Shape::new(outline, colour)],
         }
     });
-    let spots = pieces.spots.iter().filter_map(Spot::element);
+    let spots = pieces.spots.iter().filter_map(GroundSpot::element);
     let outlined = secondaries.into_iter().filter(|s| !s.outline().is_empty());
     ElementShapes { secondaries: spots.chain(outlined).collect(), primaries }
 }

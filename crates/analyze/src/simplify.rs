@@ -6,10 +6,11 @@ use super::ground::Ground;
 use super::joining;
 use super::palette::Palette;
 use super::partition::Partition;
+use super::patches::{self, FlatPatch};
 use super::pursuit::Shade;
 use super::rate_distortion::RateDistortion;
 use super::shading;
-use super::shapes::{self, ExemplarPieces, FlatPatch};
+use super::shapes::ExemplarPieces;
 use image::RgbImage;
 use std::collections::BTreeMap;
 use vtex_base::error::Result;
@@ -23,9 +24,8 @@ use vtex_scene::library::{AnalyzeParams, Shading};
 const COLOURS: usize = 128;
 
 /// Joins details, shades them softly, and drops patches that cost more bytes than they save error, or that spots
-/// replace. If `max_paths` is above 0, the cost of a byte rises until at most that many shapes remain; a warning says if the
-/// primaries alone exceed it.
-/// Then, if colours are limited, clusters those of all pieces, and joins neighbouring details of one colour.
+/// replace. If `max_paths` is above 0, the cost of a byte rises until at most that many shapes remain; a warning
+/// says if the primaries alone exceed it. Then, if colours are limited, clusters those of all pieces, and joins neighbouring details of one colour.
 ///
 /// # Errors
 /// [`vtex_base::Error::Interrupted`].
@@ -100,11 +100,11 @@ fn reduce_colours(
     params: &AnalyzeParams,
 ) -> ExemplarPieces {
     let masks: Vec<&Cells<Mask>> = pieces.details.iter().flatten().collect();
-    let mut colours = parallel::map(&masks, |m| (shapes::median(image, m), m.area()));
+    let mut colours = parallel::map(&masks, |m| (patches::median(image, m), m.area()));
     colours.extend(pieces.secondaries.iter().map(|p| (p.colour, p.mask.area())));
     let palette = Palette::new(&colours, params.colors as usize, params.seed);
     pieces.details = parallel::map(&pieces.details, |masks| {
-        joining::join_alike(masks, |m| palette.nearest(shapes::median(image, m)))
+        joining::join_alike(masks, |m| palette.nearest(patches::median(image, m)))
     });
     ExemplarPieces { palette, ..pieces }
 }

@@ -32,6 +32,8 @@ const CANDIDATES: usize = 8;
 const LEAST_VISIBLE: f64 = 0.3;
 /// Quantisation step of secondaries' colours, per sRGB component.
 const COLOUR_STEP: f64 = 5.0;
+/// The same of soft ones, each colour of which is a brush of the file.
+const SPOT_STEP: f64 = 12.0;
 
 /// A secondary on the canvas.
 #[derive(Clone, Copy)]
@@ -98,15 +100,13 @@ fn arrived(
     let mut random = stream(seed, "correspondence/secondaries", 0);
     for (number, library) in libraries.iter().enumerate() {
         let samples: Vec<Vec<[f64; 2]>> = library.secondaries().iter().map(samples).collect();
-        let mut came: Vec<PlacedSecondary> = (correspondence
-            .secondaries(library, number, map.model())
-            .into_iter())
-        .map(|Arrived { secondary, at, variation }| {
+        let placed_at = |Arrived { secondary, at, variation }| {
             let own = &library.secondaries()[secondary as usize];
-            let colour = if own.shapes[0].is_soft() { own.colour } else { coarse(own.colour.to_f64()) };
+            let colour = if is_spot(own) { own.colour } else { coarse(own.colour.to_f64(), COLOUR_STEP) };
             PlacedSecondary { library: number, secondary, at, variation, colour }
-        })
-        .collect();
+        };
+        let arrived = correspondence.secondaries(library, number, map.model());
+        let mut came: Vec<PlacedSecondary> = arrived.into_iter().map(placed_at).collect();
         if !map.region.is_plain() {
             came.retain(|p| {
                 let level = map.region.density(p.at.map(f64::from));
@@ -146,7 +146,8 @@ pub(crate) fn painted(
             let [least, most] = tones[p.library][c];
             (background[c] + f64::from(difference[c])).clamp(least, most)
         });
-        PlacedSecondary { colour: coarse(colour), ..*p }
+        let step = if is_spot(secondary) { SPOT_STEP } else { COLOUR_STEP };
+        PlacedSecondary { colour: coarse(colour, step), ..*p }
     })
 }
 
@@ -169,7 +170,7 @@ impl PlacedSecondary {
     /// order matters little: equal fills stand side by side, for smaller files, and fills are mixed, so that no tone
     /// is always on top.
     pub(crate) fn painting_key(&self, libraries: &[Library]) -> impl Ord + use<> {
-        let is_soft = libraries[self.library].secondaries()[self.secondary as usize].shapes[0].is_soft();
+        let is_soft = is_spot(&libraries[self.library].secondaries()[self.secondary as usize]);
         let [r, g, b] = self.colour.0.map(u32::from);
         let colour = (r << 16 | g << 8 | b).wrapping_mul(0x9e37_79b1);
         let order = if is_soft { self.secondary } else { colour };
@@ -395,9 +396,14 @@ fn drawn(variations: &[Variation], random: &mut Stream) -> u16 {
     if variations.len() > 1 { random.index(variations.len()) as u16 } else { 0 }
 }
 
-/// The colour quantised to [`COLOUR_STEP`], a step too small to be visible on a speck.
-fn coarse(colour: [f64; 3]) -> Colour {
-    Colour::from_f64(colour.map(|v| COLOUR_STEP * libm::round(v / COLOUR_STEP)))
+/// The colour quantised to a step too small to be visible on a speck.
+fn coarse(colour: [f64; 3], step: f64) -> Colour {
+    Colour::from_f64(colour.map(|v| step * libm::round(v / step)))
+}
+
+/// Whether a secondary is a soft ellipse.
+fn is_spot(secondary: &ExemplarElement) -> bool {
+    secondary.shapes[0].is_soft()
 }
 
 /// Radius of a Poisson-disk set with the exemplar's number of secondaries per area of background. `None`

@@ -12,7 +12,7 @@ const MOST_STARTS: usize = 64;
 fn similarity(from: &[Shape], to: &[Shape], tolerance: f64) -> Option<Affine> {
     let paint = |(a, b): (&Shape, &Shape)| {
         let plain = a.gradient.is_none() && b.gradient.is_none();
-        let kind = |s: &Shape| (s.line.is_some(), s.is_soft());
+        let kind = |s: &Shape| (s.line.is_some(), s.ellipse.as_ref().map(|ellipse| ellipse.profile));
         plain && a.colour == b.colour && a.opacity == b.opacity && kind(a) == kind(b)
     };
     if from.len() != to.len() || from.is_empty() || !from.iter().zip(to).all(paint) {
