@@ -16,12 +16,16 @@ use image::RgbImage;
 use vtex_base::error::Result;
 use vtex_base::parallel;
 use vtex_base::progress::Progress;
-use vtex_scene::library::ExemplarElement;
+use vtex_scene::library::{AnalyzeParams, ExemplarElement};
 use vtex_scene::scene::Shape;
 
 /// Spots may differ by any amount from what they are painted on. Most of each is seen, or its colour could be anything
 /// below a primary; large ones would shine beyond the edges of what they are found in.
-const RULES: Rules = Rules { contrast: f64::INFINITY, harm: 0.5, seen: 0.6, radius: 8.5 };
+fn rules(params: &AnalyzeParams) -> Rules {
+    let areas = [params.secondary_minimum, params.secondary_maximum].map(f64::from);
+    Rules { contrast: f64::INFINITY, harm: 0.5, seen: 0.6, radius: 8.5, areas }
+}
+
 /// Most rounds of the pursuit on the bare background, which only tells what patches are worth.
 const FIRST_ROUNDS: usize = 8;
 /// Bytes of a spot as [`RateDistortion`] counts them: an ellipse and the element that it is.
@@ -59,7 +63,8 @@ impl Ground {
         let bare = window.painted.clone();
         // Errors of the window are sums over pixels.
         let least = cost.error_per_byte / grid.area() * SPOT_BYTES;
-        let shades = window.paint(least, FIRST_ROUNDS, RULES, progress)?;
+        let rules = rules(partition.params);
+        let shades = window.paint(least, FIRST_ROUNDS, rules, progress)?;
         let worth = cost.error_per_byte * DEARER * SECONDARY_BYTES;
         let stays = parallel::map(&patches, |patch| gain(image, &window, patch, grid.cells) >= worth);
         let patches: Vec<FlatPatch> =
@@ -69,8 +74,8 @@ impl Ground {
             let weight = &mut window.weight[pixel(x, y, grid.cells, window.width)];
             *weight = (*weight - 1.0 / grid.area() as f32).max(0.0);
         }
-        let mut shades = window.repaint(&shades, least, RULES);
-        shades.extend(window.paint(least, ROUNDS, RULES, progress)?);
+        let mut shades = window.repaint(&shades, least, rules);
+        shades.extend(window.paint(least, ROUNDS, rules, progress)?);
         let spot = |shade: Shade| GroundSpot { behind: behind(shade.ellipse.centre), shade };
         Ok(Self { patches, spots: shades.into_iter().map(spot).collect() })
     }

@@ -66,6 +66,17 @@ pub(super) struct Rules {
     pub(super) seen: f64,
     /// Largest radius at which an ellipse is found, in pixels.
     pub(super) radius: f64,
+    /// Least and largest area within the rim, in pixels.
+    pub(super) areas: [f64; 2],
+}
+
+impl Rules {
+    fn permit(&self, ellipse: &Ellipse, fit: &EllipseFit) -> bool {
+        let [short, long] = ellipse.semi_axes();
+        let area = std::f64::consts::PI * short * long;
+        let [least, most] = self.areas;
+        fit.contrast <= self.contrast && fit.seen >= self.seen && least <= area && area <= most
+    }
 }
 
 /// What an ellipse in its best colour does.
@@ -219,7 +230,7 @@ impl PaintedWindow {
             let [soft, sharp] = &falls;
             let fall = if ellipse.profile == Profile::Soft { soft } else { sharp };
             let fit = self.fit(&ellipse, fall)?;
-            (fit.gain >= least && fit.seen >= rules.seen).then(|| self.add(&ellipse, fall, fit.colour))
+            (fit.gain >= least && rules.permit(&ellipse, &fit)).then(|| self.add(&ellipse, fall, fit.colour))
         });
         again.collect()
     }
@@ -282,12 +293,12 @@ impl PaintedWindow {
                 best = (fit, speck, sharp);
             }
         }
-        let (EllipseFit { gain, colour, contrast, seen }, ellipse, fall) = best;
-        let permitted = gain >= least && contrast <= rules.contrast && seen >= rules.seen;
-        if !permitted || self.harm(&ellipse, fall, colour) > rules.harm * gain {
+        let (fit, ellipse, fall) = best;
+        if fit.gain < least || !rules.permit(&ellipse, &fit) {
             return None;
         }
-        Some(self.add(&ellipse, fall, colour))
+        let is_harmless = self.harm(&ellipse, fall, fit.colour) <= rules.harm * fit.gain;
+        is_harmless.then(|| self.add(&ellipse, fall, fit.colour))
     }
 
     /// The squared error that an ellipse adds where it paints over what was right.
@@ -524,7 +535,8 @@ mod tests {
         PaintedWindow { width: 60, height: 60, corner: [100.0, 50.0], weight, target, painted }
     }
 
-    const RULES: Rules = Rules { contrast: f64::INFINITY, harm: 0.5, seen: 0.6, radius: 8.5 };
+    const RULES: Rules =
+        Rules { contrast: f64::INFINITY, harm: 0.5, seen: 0.6, radius: 8.5, areas: [0.0, f64::INFINITY] };
 
     #[test]
     fn the_profile_is_that_of_the_photograph() {

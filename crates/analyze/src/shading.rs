@@ -20,7 +20,13 @@ pub(super) const DEARER: f64 = 8.0;
 const PIECES: f64 = 0.5;
 
 /// What has an edge stays a piece: it differs by more from what lies below.
-const RULES: Rules = Rules { contrast: 60.0, harm: f64::INFINITY, seen: 0.0, radius: f64::INFINITY };
+const RULES: Rules = Rules {
+    contrast: 60.0,
+    harm: f64::INFINITY,
+    seen: 0.0,
+    radius: f64::INFINITY,
+    areas: [0.0, f64::INFINITY],
+};
 
 /// An element's pieces and what shades them.
 pub(super) struct Shaded {
