@@ -7,6 +7,7 @@
 
 use rustc_hash::FxHashMap;
 use std::collections::BTreeSet;
+use std::sync::LazyLock;
 use vtex_base::error::Result;
 use vtex_base::geometry::Point;
 use vtex_base::progress::{Progress, advance};
@@ -149,6 +150,15 @@ struct FallOff {
 impl FallOff {
     const STEPS: usize = 512;
 
+    fn of(profile: Profile) -> &'static Self {
+        static SOFT: LazyLock<FallOff> = LazyLock::new(|| FallOff::new(Profile::Soft));
+        static SHARP: LazyLock<FallOff> = LazyLock::new(|| FallOff::new(Profile::Sharp));
+        match profile {
+            Profile::Soft => &SOFT,
+            Profile::Sharp => &SHARP,
+        }
+    }
+
     fn new(profile: Profile) -> Self {
         let middle = |i: usize| profile.opacity_at((i as f64 + 0.5) / Self::STEPS as f64);
         let opacities: [f32; Self::STEPS] = std::array::from_fn(|i| middle(i) as f32);
@@ -187,7 +197,6 @@ impl PaintedWindow {
         progress: &dyn Progress,
     ) -> Result<Vec<Shade>> {
         let pyramid = Level::pyramid(self);
-        let falls = Profile::ALL.map(FallOff::new);
         let mut shades = Vec::new();
         // Circles of which nothing came. Where others have been painted since, one is found at another place.
         let mut refused: BTreeSet<[u64; 3]> = BTreeSet::new();
@@ -202,7 +211,7 @@ impl PaintedWindow {
                 if taken.touch(&candidate) {
                     continue;
                 }
-                match self.painted_near(&candidate, &falls, least, rules) {
+                match self.painted_near(&candidate, least, rules) {
                     Some(shade) => {
                         shades.push(shade);
                         taken.add(candidate);
@@ -223,23 +232,20 @@ impl PaintedWindow {
     /// Paints those of the given ellipses, in their best colours, that are permitted and still reduce the error by
     /// `least` or more.
     pub(super) fn repaint(&mut self, shades: &[Shade], least: f64, rules: Rules) -> Vec<Shade> {
-        let falls = Profile::ALL.map(FallOff::new);
         let again = shades.iter().filter_map(|shade| {
             let centre = [0, 1].map(|k| shade.ellipse.centre[k] - self.corner[k]);
             let ellipse = Ellipse { centre, ..shade.ellipse };
-            let [soft, sharp] = &falls;
-            let fall = if ellipse.profile == Profile::Soft { soft } else { sharp };
-            let fit = self.fit(&ellipse, fall)?;
-            (fit.gain >= least && rules.permit(&ellipse, &fit)).then(|| self.add(&ellipse, fall, fit.colour))
+            let fit = self.fit(&ellipse)?;
+            (fit.gain >= least && rules.permit(&ellipse, &fit)).then(|| self.add(&ellipse, fit.colour))
         });
         again.collect()
     }
 
     /// Paints an ellipse.
-    fn add(&mut self, ellipse: &Ellipse, fall: &FallOff, colour: [f64; 3]) -> Shade {
+    fn add(&mut self, ellipse: &Ellipse, colour: [f64; 3]) -> Shade {
         let colour = Colour::from_f64(colour);
         let own = colour.to_f64().map(|v| v as f32);
-        for (i, opacity) in self.covered(ellipse, fall).collect::<Vec<_>>() {
+        for (i, opacity) in self.covered(ellipse).collect::<Vec<_>>() {
             let painted = &mut self.painted[i];
             (0..3).for_each(|c| painted[c] += opacity * (own[c] - painted[c]));
         }
@@ -265,46 +271,38 @@ impl PaintedWindow {
     }
 
     /// Paints an ellipse near a candidate if it reduces the error by `least`, and is permitted.
-    fn painted_near(
-        &mut self,
-        candidate: &Candidate,
-        falls: &[FallOff; 2],
-        least: f64,
-        rules: Rules,
-    ) -> Option<Shade> {
+    fn painted_near(&mut self, candidate: &Candidate, least: f64, rules: Rules) -> Option<Shade> {
         let circle = circle(candidate.centre, candidate.radius)?;
-        let [soft, sharp] = falls;
-        let mut best = (self.fit(&circle, soft)?, circle, soft);
-        let fitted = self.fitted(&circle, candidate.radius, best.0.colour, soft);
-        if let Some(fitted) = fitted
-            && let Some(fit) = self.fit(&fitted, soft)
+        let mut best = (self.fit(&circle)?, circle);
+        if let Some(fitted) = self.fitted(&circle, candidate.radius, best.0.colour)
+            && let Some(fit) = self.fit(&fitted)
             && fit.gain > best.0.gain
         {
-            best = (fit, fitted, soft);
+            best = (fit, fitted);
         }
         let specks = SPECK_SIZES.iter().filter_map(|size| best.1.resized(*size, Profile::Sharp));
         let mut to_beat = best.0.gain / FOCUS;
         for speck in specks.filter(is_speck).collect::<Vec<_>>() {
-            if let Some(fit) = self.fit(&speck, sharp)
+            if let Some(fit) = self.fit(&speck)
                 && fit.contrast >= EDGE
                 && fit.gain > to_beat
             {
                 to_beat = fit.gain;
-                best = (fit, speck, sharp);
+                best = (fit, speck);
             }
         }
-        let (fit, ellipse, fall) = best;
+        let (fit, ellipse) = best;
         if fit.gain < least || !rules.permit(&ellipse, &fit) {
             return None;
         }
-        let is_harmless = self.harm(&ellipse, fall, fit.colour) <= rules.harm * fit.gain;
-        is_harmless.then(|| self.add(&ellipse, fall, fit.colour))
+        let is_harmless = self.harm(&ellipse, fit.colour) <= rules.harm * fit.gain;
+        is_harmless.then(|| self.add(&ellipse, fit.colour))
     }
 
     /// The squared error that an ellipse adds where it paints over what was right.
-    fn harm(&self, ellipse: &Ellipse, fall: &FallOff, colour: [f64; 3]) -> f64 {
+    fn harm(&self, ellipse: &Ellipse, colour: [f64; 3]) -> f64 {
         let own = colour.map(|v| v as f32);
-        let added = self.covered(ellipse, fall).map(|(i, opacity)| {
+        let added = self.covered(ellipse).map(|(i, opacity)| {
             let (t, p) = (self.target[i], self.painted[i]);
             let more = (0..3).map(|c| {
                 let (before, after) = (t[c] - p[c], t[c] - p[c] - opacity * (own[c] - p[c]));
@@ -316,10 +314,10 @@ impl PaintedWindow {
     }
 
     /// The colour in which an ellipse reduces the error most.
-    fn fit(&self, ellipse: &Ellipse, fall: &FallOff) -> Option<EllipseFit> {
+    fn fit(&self, ellipse: &Ellipse) -> Option<EllipseFit> {
         let (mut wanted, mut squares, mut before, mut black) = ([0f32; 3], 0f32, 0f32, 0f32);
         let (mut below, mut opacities) = ([0.0; 3], 1e-9);
-        for (i, opacity) in self.covered(ellipse, fall) {
+        for (i, opacity) in self.covered(ellipse) {
             let (w, t, p) = (self.weight[i], self.target[i], self.painted[i]);
             squares += w * opacity * opacity;
             let share = f64::from(opacity * w);
@@ -342,17 +340,18 @@ impl PaintedWindow {
         let colour = colour.map(f64::from);
         let contrast = (0..3).map(|c| (colour[c] - below[c] / opacities).abs()).fold(0.0, f64::max);
         let [short, long] = ellipse.semi_axes();
-        let seen = f64::from(squares) / (fall.mean_square * std::f64::consts::PI * short * long);
+        let seen = f64::from(squares)
+            / (FallOff::of(ellipse.profile).mean_square * std::f64::consts::PI * short * long);
         Some(EllipseFit { gain: f64::from(before - after), colour, contrast, seen })
     }
 
     /// The ellipse that has the moments of the error towards `colour` around a circle.
-    fn fitted(&self, around: &Ellipse, radius: f64, colour: [f64; 3], fall: &FallOff) -> Option<Ellipse> {
+    fn fitted(&self, around: &Ellipse, radius: f64, colour: [f64; 3]) -> Option<Ellipse> {
         let centre = around.centre;
         let wide = circle(centre, WIDE * radius)?;
         let aim = colour.map(|v| v as f32);
         let (mut sum, mut first, mut second) = (0f64, [0f64; 2], [0f64; 3]);
-        for (i, opacity) in self.covered(&wide, fall) {
+        for (i, opacity) in self.covered(&wide) {
             let (t, p) = (self.target[i], self.painted[i]);
             let (mut along, mut length) = (0f32, 1e-3f32);
             for c in 0..3 {
@@ -397,12 +396,8 @@ impl PaintedWindow {
     }
 
     /// The pixels to be painted that an ellipse covers, and its opacity there.
-    fn covered<'a>(
-        &'a self,
-        ellipse: &Ellipse,
-        fall: &'a FallOff,
-    ) -> impl Iterator<Item = (usize, f32)> + use<'a> {
-        let inverse = ellipse.map().inverse();
+    fn covered(&self, ellipse: &Ellipse) -> impl Iterator<Item = (usize, f32)> + use<'_> {
+        let (inverse, fall) = (ellipse.map().inverse(), FallOff::of(ellipse.profile));
         let [xx, xy, yy] = ellipse.matrix;
         let (centre, reach) = (ellipse.centre, [libm::hypot(xx, xy), libm::hypot(xy, yy)]);
         let range = |k: usize, side: usize| {

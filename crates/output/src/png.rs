@@ -18,7 +18,7 @@ use vtex_base::error::{Error, Large, Result};
 use vtex_base::geometry::{Affine, Outline, PathEl, Rect, Vec2};
 use vtex_base::parallel;
 use vtex_base::raster::colour::Colour;
-use vtex_scene::element::{GradientKind, Stop};
+use vtex_scene::element::{Ellipse, GradientKind, Stop};
 use vtex_scene::scene::{Gradient, Instance, Scene, Shape};
 
 /// Height of the bands drawn at a time, in pixels.
@@ -148,8 +148,13 @@ impl Detail {
                 (path_of(&shape.outline)?, paint(shape, shape.colour, shape.gradient.as_deref()));
             return Some(Self { path, paint, soft: None });
         };
+        Self::soft(shape, ellipse, shape.colour)
+    }
+
+    /// A soft ellipse in one colour.
+    fn soft(shape: &Shape, ellipse: &Ellipse, colour: Colour) -> Option<Self> {
         let path = PathBuilder::from_circle(0.0, 0.0, 1.0)?;
-        let paint = paint(shape, shape.colour, Some(&ellipse.profile.brush(shape.colour)));
+        let paint = paint(shape, colour, Some(&ellipse.profile.brush(colour)));
         Some(Self { path, paint, soft: Some(ellipse.map()) })
     }
 }
@@ -267,10 +272,9 @@ impl<'a> PreparedScene<'a> {
         let transform = band_transform(placed.affine, top);
         let element = self.scene.element(instance);
         if let Some((ellipse, colour)) = element.spot(instance.colour) {
-            if let Some(path) = PathBuilder::from_circle(0.0, 0.0, 1.0) {
+            if let Some(spot) = Detail::soft(element.base(), ellipse, colour) {
                 let transform = band_transform(placed.affine * ellipse.map(), top);
-                let paint = paint(element.base(), colour, Some(&ellipse.profile.brush(colour)));
-                band.fill_path(&path, &paint, FillRule::Winding, transform, None);
+                band.fill_path(&spot.path, &spot.paint, FillRule::Winding, transform, None);
             }
         } else if let Some(path) = &drawing.base {
             let (colour, gradient) = element.paint(instance.colour);

@@ -102,7 +102,8 @@ fn arrived(
         let samples: Vec<Vec<[f64; 2]>> = library.secondaries().iter().map(samples).collect();
         let placed_at = |Arrived { secondary, at, variation }| {
             let own = &library.secondaries()[secondary as usize];
-            let colour = if is_spot(own) { own.colour } else { coarse(own.colour.to_f64(), COLOUR_STEP) };
+            let colour =
+                if own.base().is_soft() { own.colour } else { coarse(own.colour.to_f64(), COLOUR_STEP) };
             PlacedSecondary { library: number, secondary, at, variation, colour }
         };
         let arrived = correspondence.secondaries(library, number, map.model());
@@ -146,7 +147,7 @@ pub(crate) fn painted(
             let [least, most] = tones[p.library][c];
             (background[c] + f64::from(difference[c])).clamp(least, most)
         });
-        let step = if is_spot(secondary) { SPOT_STEP } else { COLOUR_STEP };
+        let step = if secondary.base().is_soft() { SPOT_STEP } else { COLOUR_STEP };
         PlacedSecondary { colour: coarse(colour, step), ..*p }
     })
 }
@@ -170,7 +171,7 @@ impl PlacedSecondary {
     /// order matters little: equal fills stand side by side, for smaller files, and fills are mixed, so that no tone
     /// is always on top.
     pub(crate) fn painting_key(&self, libraries: &[Library]) -> impl Ord + use<> {
-        let is_soft = is_spot(&libraries[self.library].secondaries()[self.secondary as usize]);
+        let is_soft = libraries[self.library].secondaries()[self.secondary as usize].base().is_soft();
         let [r, g, b] = self.colour.0.map(u32::from);
         let colour = (r << 16 | g << 8 | b).wrapping_mul(0x9e37_79b1);
         let order = if is_soft { self.secondary } else { colour };
@@ -399,11 +400,6 @@ fn drawn(variations: &[Variation], random: &mut Stream) -> u16 {
 /// The colour quantised to a step too small to be visible on a speck.
 fn coarse(colour: [f64; 3], step: f64) -> Colour {
     Colour::from_f64(colour.map(|v| step * libm::round(v / step)))
-}
-
-/// Whether a secondary is a soft ellipse.
-fn is_spot(secondary: &ExemplarElement) -> bool {
-    secondary.shapes[0].is_soft()
 }
 
 /// Radius of a Poisson-disk set with the exemplar's number of secondaries per area of background. `None`

@@ -166,7 +166,9 @@ impl Tween {
                 let (base, _) = element.paint(instance.colour);
                 let details =
                     element.details().iter().filter(|d| !d.is_soft()).map(|d| (&d.outline, d.colour));
-                let spot = element.spot(None).and_then(|(ellipse, _)| ellipse.equal_disc().outline());
+                let spot = element.spot(None).and_then(|(ellipse, _)| {
+                    ellipse.resized(ellipse.profile.opaque_radius(), ellipse.profile)?.outline()
+                });
                 let outline = spot.as_ref().unwrap_or(&element.base().outline);
                 let all = std::iter::once((outline, base)).chain(details);
                 let moving = |(outline, colour): (&Outline, _)| {
@@ -206,9 +208,9 @@ impl MatchedTextons {
             turns: self.turns(TIMES[k]),
         });
         let centres = TIMES.map(|t| self.centres[0].lerp(self.centres[1], t));
+        let size = spot.map_or(1.0, |ellipse| ellipse.profile.opaque_radius());
         let outline = [0, 1, 2].map(|k| {
             let holes = self.holes.iter().map(|hole| hole.ring(&carries[k], TIMES[k]));
-            let size = spot.map_or(1.0, |ellipse| libm::sqrt(ellipse.profile.mean_opacity()));
             let hull = hulls[k].iter().map(|p| (p.to_vec2() * size).to_point()).collect();
             std::iter::once(hull).chain(holes).collect()
         });

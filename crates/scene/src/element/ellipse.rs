@@ -69,6 +69,11 @@ impl Profile {
         }
     }
 
+    /// The radius of an opaque disc that paints as much as the unit disc does: where nothing soft can be drawn.
+    pub fn opaque_radius(self) -> f64 {
+        libm::sqrt(self.mean_opacity())
+    }
+
     /// The opacity at a distance from the centre whose square is `square`, in radii.
     pub fn opacity_at(self, square: f64) -> f64 {
         if square >= 1.0 {
@@ -123,12 +128,6 @@ impl Ellipse {
     /// The same shape at `factor` times the size, with another profile; `None` if it is too flat or too large.
     pub fn resized(&self, factor: f64, profile: Profile) -> Option<Self> {
         Self::new(self.map() * Affine::scale(factor), profile)
-    }
-
-    /// The ellipse of the same form that paints as much with an edge: where nothing soft can be drawn.
-    pub fn equal_disc(&self) -> Self {
-        let size = libm::sqrt(self.profile.mean_opacity());
-        self.resized(size, self.profile).unwrap_or(*self)
     }
 
     /// Its shorter and its longer semi-axis, in pixels.

@@ -160,7 +160,7 @@ impl Correspondence {
 
 /// The number of pixels on which a secondary is found; a spot covers more than it paints.
 fn covered(secondary: &ExemplarElement) -> f64 {
-    if secondary.shapes[0].is_soft() { secondary.outline().area() } else { f64::from(secondary.area) }
+    if secondary.base().is_soft() { secondary.outline().area() } else { f64::from(secondary.area) }
 }
 
 /// The shapes of an exemplar's secondaries, by place.
@@ -203,7 +203,7 @@ impl SecondaryShapes {
             self.regions[k as usize].get_or_init(|| Interior::new(outline)).contains(middle)
         };
         self.buckets[(row * self.columns + column) as usize].iter().copied().filter(holds).filter(move |&k| {
-            let is_spot = library.secondaries()[k as usize].shapes[0].is_soft();
+            let is_spot = library.secondaries()[k as usize].base().is_soft();
             is_spot || !std::mem::replace(&mut has_patch, true)
         })
     }
