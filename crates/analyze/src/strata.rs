@@ -30,7 +30,7 @@ impl PhotographStrata {
         progress: &dyn Progress,
     ) -> Result<Self> {
         let order = || params.layer_order.iter().map(|&k| k as usize).collect::<Vec<_>>();
-        let (map, why) = match (&exemplar.layers, params.layers) {
+        let (map, mut why) = match (&exemplar.layers, params.layers) {
             (Some(painted), _) => {
                 painted.check_photograph(exemplar.image.dimensions())?;
                 let given = &params.layer_order;
@@ -56,7 +56,8 @@ impl PhotographStrata {
             let element = primaries.labels[i] as usize;
             (element > 0 && areas[element] >= least).then(|| of[element - 1])
         });
-        let map = map.without_unused();
+        let is_decided = exemplar.layers.is_none() && params.layers == 0;
+        let map = if is_decided { surfaces(map, primaries, &mut why) } else { map.without_unused() };
         Ok(Self { map: (map.layers.len() > 1).then_some(map), why })
     }
 
@@ -125,4 +126,14 @@ impl PhotographStrata {
         }));
         of
     }
+}
+
+/// The map of those layers that are surfaces, with the reason why others are not.
+fn surfaces(map: LayerMap, primaries: &LabelMap, why: &mut Option<String>) -> LayerMap {
+    let (map, names) = map.without_layers_of_elements(primaries);
+    if !names.is_empty() {
+        let why = why.get_or_insert_default();
+        why.push_str(&format!("; {} is no layer, but elements", names.join(" and ")));
+    }
+    map
 }

@@ -16,6 +16,7 @@ mod strata;
 #[cfg(test)]
 mod tests;
 mod units;
+mod vacated;
 
 pub use crate::arrange::controls::{Controls, StructureGuide};
 pub use crate::arrange::correspondence::Structure;

@@ -10,6 +10,7 @@
 //! Works badly where secondaries form structures larger than a cell, because these are cut.
 
 use super::neighbourhoods::ExemplarSecondaries;
+use super::vacated::VacatedGround;
 use crate::arrange::correspondence::{Arrived, Correspondence};
 use crate::arrange::occupancy::Occupancy;
 use crate::arrange::sites::{Sites, scattered};
@@ -71,7 +72,12 @@ pub(crate) fn place(
     if params.without(Ablation::Secondary) {
         return Vec::new();
     }
-    let came = correspondence.map_or_else(Vec::new, |c| arrived(libraries, map, c, params.seed));
+    let mut came = correspondence.map_or_else(Vec::new, |c| arrived(libraries, map, c, params.seed));
+    let vacated = correspondence.map(|c| VacatedGround::new(map, c)).filter(|ground| !ground.is_empty());
+    if let Some(ground) = vacated {
+        came.extend(on_vacated_ground(libraries, map, field, &ground, params));
+        came.sort_by_key(|p| p.painting_key(libraries));
+    }
     if map.region.all_carried() {
         return came;
     }
@@ -123,6 +129,28 @@ fn arrived(
     }
     placed.sort_by_key(|p| p.painting_key(libraries));
     placed
+}
+
+/// Secondaries for the ground that primaries have left, from neighbourhoods like those of a canvas without a field.
+fn on_vacated_ground(
+    libraries: &[Library],
+    map: &Occupancy<'_>,
+    field: &Interpolant,
+    ground: &VacatedGround,
+    params: &SynthParams,
+) -> Vec<PlacedSecondary> {
+    let mut placed = Vec::new();
+    for (number, library) in libraries.iter().enumerate() {
+        let Some(radius) = radius(library) else { continue };
+        let task = SecondaryTask { number, library, map, radius, params };
+        let samples: Vec<Vec<[f64; 2]>> = library.secondaries().iter().map(samples).collect();
+        let mut places = task.neighbourhoods(|site, reach| ground.is_near(site, reach, number));
+        places.retain(|p| {
+            ground.holds(p.at, number) && visible(map, &samples[p.secondary as usize], p) >= LEAST_VISIBLE
+        });
+        placed.extend(places.into_iter().map(|place| task.placed(place)));
+    }
+    painted(libraries, placed, field)
 }
 
 /// Whether a place of the canvas is covered by the correspondence field.
@@ -229,15 +257,16 @@ impl SecondaryTask<'_, '_> {
         };
         let mut places = Vec::new();
         if !self.params.without(Ablation::Neighbourhoods) {
-            places = self.neighbourhoods();
+            places = self.neighbourhoods(|_, _| true);
             places.retain(&fits);
         }
         self.fill_gaps(&mut places, fits);
         places
     }
 
-    /// All secondaries of the chosen neighbourhoods.
-    fn neighbourhoods(&self) -> Vec<SecondaryPlace> {
+    /// All secondaries of the chosen neighbourhoods. `is_wanted` tells whether a site is, by the reach of its
+    /// neighbourhood in pixels.
+    fn neighbourhoods(&self, is_wanted: impl Fn([i32; 2], i32) -> bool) -> Vec<SecondaryPlace> {
         let (map, seed) = (self.map, self.params.seed);
         let reach = CELL * self.radius;
         // Each library has its own stream, so its draws do not depend on the others.
@@ -245,7 +274,9 @@ impl SecondaryTask<'_, '_> {
         // Cells just outside the canvas reach into it.
         let sites = scattered(&map.grid, reach, reach, &mut stream(seed, "synth/secondaries", item(0)));
         let exemplar = ExemplarSecondaries::new(self.library, reach);
-        let indices: Vec<usize> = (0..sites.centres().len()).collect();
+        let farthest = libm::ceil(2.0 * reach) as i32;
+        let indices: Vec<usize> =
+            (0..sites.centres().len()).filter(|&i| is_wanted(sites.centres()[i], farthest)).collect();
         let cells = parallel::map(&indices, |&i| {
             let mut random = stream(seed, "synth/neighbourhood", item(i));
             let cell = sites.cell(i);

@@ -258,8 +258,8 @@ fn reconstruction_is_the_exemplar() {
 /// Correspondences.
 mod carried {
     use super::*;
-    use vtex_base::geometry::{Outline, parse_path};
-    use vtex_base::raster::ControlMap;
+    use vtex_base::geometry::{Interior, Outline, Point, parse_path};
+    use vtex_base::raster::{ControlMap, squared_distance};
     use vtex_scene::library::testing::guided;
     use vtex_scene::scene::{Edge, Instance, LatticeChoice, Method};
 
@@ -331,6 +331,46 @@ mod carried {
             for t in scene.elements.iter().filter(|t| t.fused) {
                 assert!(t.outline().area() < 1.6 * largest, "{} {largest}", t.outline().area());
             }
+        }
+    }
+
+    /// Radius of the largest disc without primaries and origins of secondaries.
+    fn largest_bare_disc(primaries: &LabelMap, secondaries: impl Iterator<Item = [i32; 2]>) -> f32 {
+        let mut map = primaries.clone();
+        for [x, y] in secondaries.filter(|&[x, y]| primaries.at(x.into(), y.into()).is_some()) {
+            map.set(x as u32, y as u32, 1);
+        }
+        let squares = squared_distance(map.width as usize, map.height as usize, |i| map.labels[i] != 0);
+        squares.into_iter().fold(0.0, f32::max).sqrt()
+    }
+
+    /// A map that is above 0 where primaries are drawn, fused ones too.
+    fn drawn(scene: &Scene) -> LabelMap {
+        let mut map = LabelMap::filled(scene.width, scene.height, 0);
+        for instance in scene.primary() {
+            let inside = Interior::new(scene.element(instance).outline());
+            let [dx, dy] = [instance.transform[4], instance.transform[5]];
+            for (i, label) in map.labels.iter_mut().enumerate() {
+                let [x, y] = [i as u32 % scene.width, i as u32 / scene.width].map(|v| f64::from(v) + 0.5);
+                *label |= u32::from(inside.contains(Point::new(x - dx, y - dy)));
+            }
+        }
+        map
+    }
+
+    #[test]
+    fn ground_below_elements_that_were_left_out_is_not_bare() {
+        // Few large stones: many are cut at the borders of islands.
+        let library = guided(&mosaic(240, 60.0, 0.5, 5));
+        let origins = library.secondaries().iter().map(|s| s.origin());
+        let wanted = largest_bare_disc(&library.arrangement.to_labels(), origins);
+        for seed in 1..3 {
+            let (scene, report) = run(&library, &params(500, 400, seed));
+            assert_eq!(report.method, Method::Correspondence);
+            let places = scene.secondary().iter().map(|i| [i.transform[4] as i32, i.transform[5] as i32]);
+            let found = largest_bare_disc(&drawn(&scene), places);
+            // More than four times as large where such ground stays bare.
+            assert!(found < 2.0 * wanted, "{found} {wanted}");
         }
     }
 
