@@ -22,7 +22,7 @@ pub use gradient::{Gradient, GradientKind, Stop};
 pub use line::stroked;
 pub use line::{Cap, Join, Line};
 pub use shape::Shape;
-pub use similar::classes;
+pub use similar::{SimilarTo, classes};
 
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;

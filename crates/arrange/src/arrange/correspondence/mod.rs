@@ -349,7 +349,7 @@ fn stands(grid: &Grid, region: &PlacementRegion<'_>, mask: &Mask, at: [i32; 2], 
     }
     let served = |zone| region.is_carried(zone);
     let canvas =
-        || mask.spans().iter().flat_map(|&s| grid.parts(s, at)).flat_map(|CellRun { canvas, .. }| canvas);
+        || mask.spans().iter().flat_map(|&s| grid.runs(s, at)).flat_map(|CellRun { canvas, .. }| canvas);
     let inside = grid.canvas_cell(middle).and_then(|i| region.zone(i));
     match region.edge {
         Edge::Clip => inside.or_else(|| canvas().find_map(|i| region.zone(i))).is_some_and(served),

@@ -29,7 +29,7 @@ use super::choice::MemberWeights;
 use super::model::{EMPTY, PlaceableId, UNDEFINED, VariantId};
 use super::occupancy::{Occupancy, PlacedId, RequestId};
 use super::picture;
-use bands::{Bands, Filled};
+use bands::{Bands, WindowChanges};
 use score::Scorer;
 use std::sync::atomic::{AtomicU64, Ordering};
 use target::TargetMap;
@@ -109,9 +109,10 @@ pub(super) fn place<'a>(
                     let mut random = stream(params.seed, "synth/primaries", 1 + band as u64);
                     let mut choice = choice.clone();
                     let counts = fill(&mut window.map, &mut choice, params, &watch, &mut random)?;
-                    Ok((window.filled(&map), counts))
+                    Ok((window.changes(&map), counts))
                 });
-                let filled: Vec<(Filled, DescriptorCounts)> = filled.into_iter().collect::<Result<_>>()?;
+                let filled: Vec<(WindowChanges, DescriptorCounts)> =
+                    filled.into_iter().collect::<Result<_>>()?;
                 filled.iter().for_each(|(_, c)| counts.add(c));
                 map.absorb(filled.into_iter().map(|f| f.0).collect(), choice);
                 watch.picture(&map);

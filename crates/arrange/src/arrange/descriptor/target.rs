@@ -229,9 +229,9 @@ impl<'a> TargetMap<'a> {
         distance.resize(w * h, 0);
         let mut cells = Vec::new();
         for &span in shape.mask.spans() {
-            for part in self.grid().parts(span, at) {
-                let [mut x, y] = part.at;
-                for i in part.cells {
+            for run in self.grid().runs(span, at) {
+                let [mut x, y] = run.at;
+                for i in run.cells {
                     if self.cells.owner[i] == Owner::request(request) {
                         let local = (y - at[1] - y0 + 1) as usize * w + (x - at[0] - x0 + 1) as usize;
                         distance[local] = distance[local - 1].min(distance[local - w]).saturating_add(1);
