@@ -32,7 +32,8 @@ const CANDIDATES: usize = 8;
 const LEAST_VISIBLE: f64 = 0.3;
 /// Quantisation step of secondaries' colours, per sRGB component.
 const COLOUR_STEP: f64 = 5.0;
-/// The same of soft ones, each colour of which is a brush of the file.
+/// Quantisation step of the colours of soft secondaries. It is larger because each colour is a brush of the
+/// file.
 const SPOT_STEP: f64 = 12.0;
 
 /// A secondary on the canvas.
@@ -131,8 +132,9 @@ fn is_served(map: &Occupancy<'_>, at: [i32; 2]) -> bool {
     map.grid.canvas_cell(at).is_some_and(|i| map.region.cell_is_carried(i))
 }
 
-/// Gives each the colour of the background beneath it plus its own difference, clamped to the tones of its
-/// exemplar: dark flecks of pale background would become too dark on dark background.
+/// Gives each secondary the colour of the background beneath it plus its own difference. Colours are clamped
+/// to the range of the exemplar's secondaries: dark flecks of a pale background would become too dark on a
+/// dark one.
 pub(crate) fn painted(
     libraries: &[Library],
     placed: Vec<PlacedSecondary>,
@@ -167,9 +169,9 @@ fn tones(library: &Library) -> [[f64; 2]; 3] {
 }
 
 impl PlacedSecondary {
-    /// Sort key for painting. Soft ones lie below, in the order of the exemplar. Others hardly overlap, so their
-    /// order matters little: equal fills stand side by side, for smaller files, and fills are mixed, so that no tone
-    /// is always on top.
+    /// Sort key for painting. Soft ones lie below, in the order of the exemplar. Others hardly overlap, so
+    /// their order is nearly free: equal fills are adjacent, which makes files smaller, and the order of
+    /// fills is random, so that no tone is always on top.
     pub(crate) fn painting_key(&self, libraries: &[Library]) -> impl Ord + use<> {
         let is_soft = libraries[self.library].secondaries()[self.secondary as usize].base().is_soft();
         let [r, g, b] = self.colour.0.map(u32::from);

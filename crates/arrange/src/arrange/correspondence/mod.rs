@@ -63,7 +63,7 @@ const MOST_MOVED: f64 = 2.0;
 /// Primaries carried along a correspondence field. Shares are of the canvas.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Structure {
-    /// Islands, each from one place of an exemplar.
+    /// Number of islands.
     pub islands: usize,
     /// Share on which primaries are wanted.
     pub wanted: f64,

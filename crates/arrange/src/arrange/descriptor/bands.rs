@@ -1,9 +1,10 @@
-//! Bands of the target map, changes independently of each other.
+//! Bands of the target map, filled independently of each other.
 //!
 //! Rows are divided into bands. Every second band is taken out, together with the rows around it that an
-//! element and its descriptor can reach. These windows have no cell in common, so they are changes at the same
-//! time and written back in a fixed order. Then the other bands are changes, around the elements placed before. The result depends on the bands, not on which thread fills them when. Canvases of fewer than four
-//! bands are changes as a whole.
+//! element and its descriptor can reach. These windows have no cell in common, so they are filled at the same
+//! time and written back in a fixed order. Then the other bands are filled, around the elements placed
+//! before. The result depends on the bands, not on which thread fills them when. Canvases of fewer than four
+//! bands are filled as a whole.
 
 use super::target::{ElementRequest, TargetMap};
 use crate::arrange::choice::MemberWeights;

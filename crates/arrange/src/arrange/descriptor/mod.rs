@@ -10,16 +10,16 @@
 //! most of them where others have failed before. Here
 //!
 //! * a request keeps its cells, so its region is found by visiting the cells of one texton;
-//! * a request is drawn by its weight from running sums, and is tried once: answered or refused, it
-//!   is not asked for again. A second attempt would meet the same region with other candidates of the
-//!   same category; what it could have added, [`super::density`] adds where it is lacking;
+//! * a request is drawn by its weight from running sums, and is tried once: answered or refused, it is not
+//!   asked for again. A second attempt would only try other candidates of the same category; missing coverage
+//!   is corrected by [`super::density`];
 //! * a request is dropped as soon as other elements cover more than half of it: any element that answered it
 //!   would overlap them;
 //! * candidates are tried at the place drawn and in the middle of the region, where most fit best;
-//! * a candidate whose size alone keeps it below the best so far is not counted. That changes no
-//!   choice.
+//! * a candidate whose upper bound, which follows from its size, is below the best score is skipped. This
+//!   does not change the choice.
 //!
-//! So an attempt visits cells of the textons concerned only, whatever the size of the canvas.
+//! So the cost of an attempt does not depend on the size of the canvas.
 
 pub(super) mod bands;
 mod score;
@@ -161,8 +161,8 @@ fn fill(
     Ok(counts)
 }
 
-/// Starting places in random order. Those after the first serve where requests ran out before they reached
-/// the whole map.
+/// Starting places in random order. Those after the first are used where requests ended before the whole map
+/// was filled.
 fn seeds(map: &TargetMap<'_>, random: &mut Stream) -> Vec<[i32; 2]> {
     let step = (map.model().half / 2).max(8);
     let inside = |size: i32, margin: i32| (margin + step / 2..size - margin).step_by(step as usize);
