@@ -361,7 +361,7 @@ fn draft(
     Draft { shapes, layer, order, mask: all, endless }
 }
 
-/// The pixels that shapes paint, as far as they lie on the page, or within a page around one that wraps.
+/// The pixels that shapes paint on the page; for a page that wraps, also those up to a page away.
 fn mask(shapes: &[Shape], size: [f64; 2], wrap: bool) -> Mask {
     let [w, h] = size.map(|v| v as i32);
     let (low, high) = if wrap { ([-w, -h], [2 * w, 2 * h]) } else { ([0, 0], [w, h]) };

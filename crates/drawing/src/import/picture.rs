@@ -1,4 +1,4 @@
-//! The page as pixels.
+//! Draws the page as pixels.
 
 use super::pieces::DrawingPiece;
 use super::read::DrawingPage;

@@ -9,7 +9,7 @@ use simplecss::{AttributeOperator, Element, PseudoClass, StyleSheet};
 use std::cell::Cell;
 use std::collections::HashMap;
 
-/// Number of allowed steps: some two seconds here, and as long in the parser.
+/// Number of allowed steps. Counting them takes some two seconds, and parsing as long.
 const MOST_STEPS: u64 = 200_000_000;
 /// Number of steps for a declaration of a style.
 const DECLARATION: u64 = 20;
@@ -17,7 +17,7 @@ const DECLARATION: u64 = 20;
 const CHARACTERS: u64 = 40;
 /// Most declarations of style sheets, those of a list of selectors counted for each.
 const MOST_DECLARATIONS: u64 = 20_000_000;
-/// Most commands in a row that close a path. Each takes a part of the stack.
+/// Largest number of consecutive commands that close a path. Each takes a part of the stack.
 const MOST_CLOSES: usize = 1000;
 /// Elements that the parser accepts.
 pub const MOST_ELEMENTS: u64 = 1_000_000;
@@ -45,7 +45,7 @@ pub(super) fn refused(document: &Document<'_>) -> Option<SvgFault> {
     None
 }
 
-/// The most commands that close a path in a row.
+/// Largest number of consecutive commands that close a path.
 fn closes(data: &str) -> usize {
     let mut longest = 0;
     let mut run = 0;
@@ -191,7 +191,7 @@ pub fn ids<'a, 'd>(document: &'a Document<'d>) -> HashMap<&'a str, Node<'a, 'd>>
     ids
 }
 
-/// Each `<use>` and the node that it shows, by number, in document order.
+/// Numbers of each `<use>` and of the node that it shows, in document order.
 pub fn uses(document: &Document<'_>, ids: &HashMap<&str, Node<'_, '_>>) -> Vec<(usize, usize)> {
     let uses = document.descendants().filter(|n| n.tag_name().name() == "use");
     let link = |node: Node<'_, '_>| {

@@ -1,7 +1,7 @@
 //! Scene → scene: operations on a finished texture (paper §4.5).
 //!
-//! An [`Operation`] is plain data, as scenes record it: an action, and the elements that it applies to.
-//! Files that it names are in [`Files`]. [`apply`] does operations one after the other.
+//! An [`Operation`] is plain data, as scenes record it: an action, and the elements that it applies to. Files
+//! that it names are in [`Files`]. [`apply`] applies operations one after the other.
 //!
 //! Operations keep ids. An element that several instances share is copied if only some of them change, and
 //! dropped once no instance shows it. An operation that changes nothing is not recorded.
@@ -116,8 +116,7 @@ pub fn apply(
     Ok((scene, outcomes))
 }
 
-/// Applies an operation. Returns the number of elements that it applied to, and how many of these were too
-/// thin.
+/// Applies an action. Returns the number of elements that it applied to, and how many of these were too thin.
 fn act(
     scene: &mut Scene,
     chosen: &Chosen,
@@ -167,7 +166,7 @@ fn act(
         }
         Action::Order { by, reverse } => paint_order::order(scene, chosen, *by, *reverse, draw),
         Action::Shuffle { within, share, outlines } => {
-            thin = shuffle::shuffle(scene, chosen, (*within, *share), *outlines, draw);
+            thin = shuffle::shuffle(scene, chosen, *within, *share, *outlines, draw);
         }
         Action::Vary { colour, shape, within } => {
             if let Some(factor) = colour {

@@ -11,11 +11,11 @@ use vtex_scene::scene::{Element, ElementId, Instance, InstanceId, Scene, Shape};
 
 /// The change that is repeated on elements.
 pub(super) enum Propagated<'a> {
-    /// Shapes on the canvas, drawn on the element beneath them.
+    /// Shapes on the canvas. They are drawn on the element beneath them.
     Over(&'a [Shape]),
-    /// Shapes by themselves, the largest of which is brought onto each element.
+    /// Shapes without a place. The largest is brought onto each element.
     Alone(&'a [Shape]),
-    /// A colour of the first shape.
+    /// A new colour of the first shape.
     Fill(Colour),
 }
 
@@ -29,7 +29,7 @@ pub(super) struct Like {
     pub(super) similar: Option<f64>,
 }
 
-/// Most lines and curves that are drawn on elements: some 20 MB of SVG.
+/// Largest number of lines and curves drawn on elements: some 20 MB of SVG.
 const MOST_DRAWN: usize = 2_000_000;
 
 /// Draws on all selected similar elements, in their frames, or replaces their shapes. Returns their number,
@@ -191,13 +191,13 @@ fn drawn_on(
         let gradient = shape.gradient.as_ref().and_then(|g| g.drawn(map));
         (!outline.is_empty()).then(|| Shape { gradient, ..shape.with_outline(outline) })
     };
-    // Soft ellipses are seen on another shape, or alone.
+    // Soft ellipses are visible only on another shape or alone.
     let new: Vec<Shape> = match shapes {
         [spot] if spot.is_soft() => moved(spot).into_iter().collect(),
         _ => shapes.iter().filter_map(moved).skip_while(Shape::is_soft).collect(),
     };
     let Some(outline) = replaced else {
-        // Nothing is seen on a spot.
+        // Shapes on a soft ellipse are not visible.
         if element.base().is_soft() {
             return element.clone();
         }

@@ -9,7 +9,7 @@ use vtex_scene::scene::Scene;
 /// Distance between neighbours in a hexagonal lattice, relative to the square root of the area per point.
 const LATTICE: f64 = 1.074_569_93;
 
-/// Most neighbours that push one element. There are more only where many elements lie on one another.
+/// Largest number of neighbours that push one element. Only elements that lie on many others have more.
 const MOST_NEIGHBOURS: u32 = 64;
 
 /// How elements are moved.
@@ -17,7 +17,7 @@ pub(super) struct Relaxing {
     pub(super) rounds: u32,
     /// Share of the missing distance that is moved in each round.
     pub(super) strength: f64,
-    /// Least distance of elements; by default that of a hexagonal lattice of equally many.
+    /// Least distance of elements; by default that of a hexagonal lattice of equally many elements.
     pub(super) minimum: Option<f64>,
 }
 
@@ -111,7 +111,7 @@ impl RelaxedCanvas {
         Point::new(along(p.x, 0), along(p.y, 1))
     }
 
-    /// A point that does not leave the canvas where it does not repeat.
+    /// A point moved onto the canvas along axes that do not repeat.
     fn kept(&self, from: Point, to: Point) -> Point {
         let along = |from: f64, to: f64, k: usize| match self.periods[k] {
             None if (0.0..=self.size[k]).contains(&from) => to.clamp(0.0, self.size[k]),

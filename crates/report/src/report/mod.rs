@@ -47,8 +47,7 @@ pub struct Subject<'a> {
     pub scene: Option<&'a Named<Scene>>,
     /// Candidate photographs. Those whose SHA-256 matches an exemplar are shown.
     pub photos: &'a [Photo],
-    /// A sentence that the page adds where a photograph was not given, such as how to give it; may be
-    /// empty.
+    /// A sentence that the page shows in place of a missing photograph, such as how to give it; may be empty.
     pub ask: &'a str,
 }
 
