@@ -37,7 +37,7 @@ use vtex_base::geometry::{Outline, Rect};
 pub struct ElementId(pub u32);
 
 impl ElementId {
-    /// The index of the element that `count` others precede.
+    /// The index of the element that follows `count` others.
     pub fn after(count: usize) -> Self {
         Self(count as u32)
     }

@@ -1,6 +1,6 @@
 //! The merge tree: the order in which regions are merged, and the measurements of each node.
 //!
-//! Sums are kept only for regions that still grow. A node is measured when it becomes part of another.
+//! Sums are stored only for regions that still grow. A node is measured when it becomes part of another.
 
 use super::oversegmentation::GradientImage;
 use rustc_hash::FxHashMap;
@@ -11,9 +11,10 @@ use vtex_base::progress::{Progress, advance};
 
 /// Bins of the histogram of gradients along a rim. Each is twice as wide as the previous one, from 0.25.
 pub(super) const BINS: usize = 8;
-/// Area in pixels below which regions are cheaper to merge …
+/// Area in pixels below which the weight of a merge is reduced, by the ratio of the smaller area to it raised
+/// to [`SMALL_POWER`].
 const SMALL: f32 = 400.0;
-/// … by the ratio of their area to it, raised to this power.
+/// Exponent of that ratio.
 const SMALL_POWER: f32 = 0.35;
 
 /// Sums over the pixels of a region. They add up under union.
