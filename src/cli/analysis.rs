@@ -9,7 +9,7 @@ use super::input::{self, Input, note_read};
 use super::layer_maps;
 use super::models::{ModelFolder, sums_of_network};
 use super::options::engine::{EngineArgs, engine};
-use super::options::files::{ForceArgs, apart, outputs};
+use super::options::files::{ForceArgs, check_distinct, outputs};
 use super::options::layers::{LayerFiles, LayerFilesArgs};
 use super::options::masks::{MasksArgs, MasksFrom, SamFrom, masks_from};
 use super::output::{Destination, Target, say};
@@ -74,14 +74,14 @@ impl Analysis {
         written.push(("--save-masks", masks.save_masks.as_deref()));
         written.push(layers.written());
         for read in [("the photograph", input_path), ("--masks", masks.masks.as_deref()), layers.read()] {
-            apart(&[&[read], &written[..]].concat())?;
+            check_distinct(&[&[read], &written[..]].concat())?;
         }
         let save_masks = masks.save_masks.map(|path| Destination::File { path, force: force.force });
         let sam = SamFrom::new(masks.sam);
         let from = masks_from(masks.masks, parameters.segmenter, sam)?;
         let engine = engine(masks.engine, parameters.threads);
         let layers = layers.files(force.force)?;
-        let (wrap, parameters) = (parameters.wrap.given(), parameters.analyze.clone());
+        let (wrap, parameters) = (parameters.wrap.choice(), parameters.analyze.clone());
         let looks_at_borders = true;
         Ok(Self { input, masks: from, engine, save_masks, layers, parameters, wrap, looks_at_borders })
     }
@@ -97,7 +97,7 @@ impl Analysis {
             save_masks: None,
             layers: LayerFiles::default(),
             parameters: parameters.analyze.clone(),
-            wrap: parameters.wrap.given(),
+            wrap: parameters.wrap.choice(),
             looks_at_borders: true,
         })
     }

@@ -278,7 +278,7 @@ impl Parameters {
         let mut analyze = of("analyze");
         take(&mut analyze, "segmenter", named, |v| self.segmenter = v)?;
         take(&mut analyze, "wrap", str::parse, |v| self.wrap = v)?;
-        self.analyze.wrap = self.wrap.given() == Some(true);
+        self.analyze.wrap = self.wrap.choice() == Some(true);
         self.analyze = merged(&self.analyze, analyze)?;
         let mut synth = of("synth");
         take(&mut synth, "size", str::parse, |Size { width, height, millimetres }| {

@@ -5,7 +5,7 @@
 const LONGEST: usize = 600;
 
 /// Whether a character would control the terminal, or change how adjacent characters are displayed.
-fn acts(c: char) -> bool {
+fn controls_terminal(c: char) -> bool {
     c.is_control()
         || matches!(c, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}')
 }
@@ -14,7 +14,7 @@ fn acts(c: char) -> bool {
 pub(crate) fn escaped(text: &str) -> String {
     let mut plain = String::with_capacity(text.len());
     for c in text.chars() {
-        if acts(c) { plain.extend(c.escape_default()) } else { plain.push(c) }
+        if controls_terminal(c) { plain.extend(c.escape_default()) } else { plain.push(c) }
     }
     plain
 }
@@ -24,7 +24,11 @@ pub(crate) fn escaped(text: &str) -> String {
 pub(crate) fn escaped_json(json: &str) -> String {
     let mut plain = String::with_capacity(json.len());
     for c in json.chars() {
-        if c != '\n' && acts(c) { plain += &format!("\\u{:04x}", u32::from(c)) } else { plain.push(c) }
+        if c != '\n' && controls_terminal(c) {
+            plain += &format!("\\u{:04x}", u32::from(c))
+        } else {
+            plain.push(c)
+        }
     }
     plain
 }

@@ -68,13 +68,13 @@ impl Drop for Passing {
 }
 
 /// Whether the user asked to stop.
-pub(crate) fn asked() -> bool {
+pub(crate) fn is_requested() -> bool {
     ASKED.load(Ordering::Relaxed)
 }
 
 /// An error if the user asked to stop.
 pub(crate) fn check() -> vtex::Result<()> {
-    if asked() { Err(vtex::Error::Interrupted) } else { Ok(()) }
+    if is_requested() { Err(vtex::Error::Interrupted) } else { Ok(()) }
 }
 
 /// Runs work that may wait for another program without end, such as reading standard input; Ctrl-C then ends

@@ -189,7 +189,7 @@ fn check_open() -> io::Result<()> {
 
 /// [`Error::Interrupted`] if the user asked to stop, whatever else that led to.
 fn or_interrupted(error: Error) -> Error {
-    if interrupt::asked() { Error::Interrupted } else { error }
+    if interrupt::is_requested() { Error::Interrupted } else { error }
 }
 
 impl Targets {

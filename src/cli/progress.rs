@@ -315,7 +315,7 @@ impl Reporter {
     }
 
     /// Runs work with the bar hidden, such as a question to the user.
-    pub(crate) fn aside<T>(&self, work: impl FnOnce() -> T) -> T {
+    pub(crate) fn with_bar_hidden<T>(&self, work: impl FnOnce() -> T) -> T {
         self.bar.suspend(work)
     }
 
@@ -371,7 +371,7 @@ impl Progress for Reporter {
             self.bar.set_message(stage);
         }
         self.whole().steps = (done, total);
-        state.failure.is_none() && !interrupt::asked()
+        state.failure.is_none() && !interrupt::is_requested()
     }
 
     fn warn(&self, message: &str) {

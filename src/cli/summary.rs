@@ -310,7 +310,7 @@ impl Summary {
     ///
     /// # Errors
     /// A closed standard output.
-    pub(crate) fn tell(&self, common: &Common, stdout_is_taken: bool) -> anyhow::Result<()> {
+    pub(crate) fn print(&self, common: &Common, stdout_is_taken: bool) -> anyhow::Result<()> {
         if common.json {
             return print_json(self, stdout_is_taken);
         }
@@ -356,10 +356,10 @@ impl Summary {
             say(&layers);
         }
         if let Some(lattice) = &self.lattice {
-            say(&regular(lattice));
+            say(&lattice_text(lattice));
         }
         if let Some(given_up) = &self.given_up {
-            say(&format!("given up to make it as small: {}", missing(given_up)));
+            say(&format!("given up to make it as small: {}", reductions(given_up)));
         }
         if let (Some(seed), true) = (self.seed, common.seed_chosen) {
             say(&format!("seed: {seed} (give --seed {seed} for the same again)"));
@@ -382,7 +382,7 @@ impl Summary {
                 say(&format!("  {count}: {why}"));
             }
             if let Some(lattice) = &self.lattice {
-                say(&format!("  {}", measured(lattice)));
+                say(&format!("  {}", lattice_measures(lattice)));
             }
             let placed = match self.method {
                 Some(Method::Correspondence) => Some("carried along from the exemplar (correspondence)"),
@@ -399,10 +399,10 @@ impl Summary {
                 say(&format!("  {:.0} % of the places repeat the drawing", 100.0 * share));
             }
             if let Some(structure) = &self.structure {
-                say(&format!("  {}", carried(structure)));
+                say(&format!("  {}", structure_text(structure)));
             }
             if let (Some(overlap), Some(repetition)) = (&self.overlap, &self.repetition) {
-                say(&format!("  {}", placement(overlap, repetition)));
+                say(&format!("  {}", placement_text(overlap, repetition)));
             }
             for (stage, spent) in &self.seconds.0 {
                 say(&format!("  {stage:16} {:8.3} s", spent.as_secs_f64()));
@@ -416,7 +416,7 @@ impl Summary {
 }
 
 /// The reductions of a file, in a line.
-fn missing(given_up: &GivenUp) -> String {
+fn reductions(given_up: &GivenUp) -> String {
     let GivenUp { decimals, tolerance, details, elements } = *given_up;
     let digits = if decimals == 1 { "1 decimal".into() } else { format!("{decimals} decimals") };
     let mut line = format!("numbers have {digits}");
@@ -430,7 +430,7 @@ fn missing(given_up: &GivenUp) -> String {
 }
 
 /// A lattice, in a line.
-pub(crate) fn regular(lattice: &Lattice) -> String {
+pub(crate) fn lattice_text(lattice: &Lattice) -> String {
     let lengths = lattice.vectors.iter().map(|[x, y]| format!("every {:.0} px", libm::hypot(*x, *y)));
     let lengths = lengths.collect::<Vec<_>>().join(" and ");
     let kind = if lattice.vectors.len() == 1 { "rows that return" } else { "a lattice that repeats" };
@@ -445,7 +445,7 @@ pub(crate) fn regular(lattice: &Lattice) -> String {
 }
 
 /// The measures of a lattice, in a line.
-pub(crate) fn measured(lattice: &Lattice) -> String {
+pub(crate) fn lattice_measures(lattice: &Lattice) -> String {
     let vectors: Vec<String> = lattice.vectors.iter().map(|[x, y]| format!("({x:.1}, {y:.1})")).collect();
     format!(
         "the lattice has the vectors {} px, strength {:.2} of 1, and elements stray by {:.1} px",
@@ -456,7 +456,7 @@ pub(crate) fn measured(lattice: &Lattice) -> String {
 }
 
 /// Counts of a field of correspondences, in a line.
-fn carried(s: &Structure) -> String {
+fn structure_text(s: &Structure) -> String {
     format!(
         "{} elements came whole, in {} patches; {} were replaced by others like them, {} joined of parts \
          ({:.1} % of the canvas)",
@@ -496,7 +496,7 @@ pub(crate) fn few_whole(s: &Structure, library: &Library) -> Option<String> {
 }
 
 /// Counts of placement, in a line.
-fn placement(overlap: &Overlap, repetition: &Repetition) -> String {
+fn placement_text(overlap: &Overlap, repetition: &Repetition) -> String {
     let mut line = format!(
         "elements hide {:.1} % of one another; {} different ones are used ({} are whole), none for more than \
          {:.1} % of the places",
@@ -546,7 +546,7 @@ mod tests {
         let overlap = Overlap { hidden: 0.0123, buried: 0.0 };
         let mut repetition =
             Repetition { textons: 40, placeable: 44, largest_share: 0.031, near: 0.1, copies: None };
-        let line = placement(&overlap, &repetition);
+        let line = placement_text(&overlap, &repetition);
         assert_eq!(
             line,
             "elements hide 1.2 % of one another; 40 different ones are used (44 are whole), none for more than 3.1 % of \
@@ -558,7 +558,9 @@ mod tests {
             median: 60.5,
             median_neighbours: 3.0,
         });
-        assert!(placement(&overlap, &repetition).ends_with("is 20 px away or more, 60 px in the median"));
+        assert!(
+            placement_text(&overlap, &repetition).ends_with("is 20 px away or more, 60 px in the median")
+        );
     }
 
     #[test]

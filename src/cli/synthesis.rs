@@ -211,6 +211,6 @@ impl FinishedTexture<'_> {
         };
         // `warp` uses the scene's own seed unless one was given.
         let seed_chosen = common.seed_chosen && command != "warp";
-        summary.tell(&Common { seed_chosen, ..common.clone() }, targets.piped())
+        summary.print(&Common { seed_chosen, ..common.clone() }, targets.piped())
     }
 }

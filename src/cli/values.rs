@@ -90,7 +90,7 @@ impl Wrap {
     pub(crate) const NAMES: [&'static str; 3] = ["auto", "on", "off"];
 
     /// The choice; `None` for `auto`.
-    pub(crate) fn given(self) -> Option<bool> {
+    pub(crate) fn choice(self) -> Option<bool> {
         match self {
             Self::Auto => None,
             Self::On => Some(true),
@@ -114,7 +114,7 @@ impl FromStr for Wrap {
 
 impl Serialize for Wrap {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match self.given() {
+        match self.choice() {
             Some(wrap) => serializer.serialize_bool(wrap),
             None => serializer.serialize_str("auto"),
         }

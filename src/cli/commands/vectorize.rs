@@ -127,5 +127,5 @@ fn run(
         counts: Some(ElementCounts::of_scene(&scene)),
         ..Summary::new("vectorize", vec![analysis.input.name()], targets.path(), written, reporter)
     };
-    summary.tell(common, targets.piped())
+    summary.print(common, targets.piped())
 }

@@ -11,7 +11,7 @@ use vtex::edit::{Condition, Operation, validate};
 
 /// An operation and the text that asked for it.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Asked {
+pub(crate) struct ParsedOperation {
     pub(crate) text: String,
     pub(crate) operation: Operation,
 }
@@ -48,7 +48,10 @@ fn condition(text: &str) -> Result<Condition, Fault> {
 ///
 /// # Errors
 /// A usage error that says what is wrong and what would be right; those of `read`.
-pub(crate) fn parse(text: &str, read: impl FnOnce(&str) -> vtex::Result<Vec<u8>>) -> anyhow::Result<Asked> {
+pub(crate) fn parse(
+    text: &str,
+    read: impl FnOnce(&str) -> vtex::Result<Vec<u8>>,
+) -> anyhow::Result<ParsedOperation> {
     let text = text.trim();
     let refused = |Fault { reason, advice }: Fault| {
         let shown: String = text.chars().take(60).collect();
@@ -64,5 +67,5 @@ pub(crate) fn parse(text: &str, read: impl FnOnce(&str) -> vtex::Result<Vec<u8>>
     let operation =
         Operation { action: asked.action(read)?, layer: (layer != "all").then_some(layer), conditions };
     validate(&operation).map_err(|e| refused(fault::of_operation(&e, verb)))?;
-    Ok(Asked { text: text.to_owned(), operation })
+    Ok(ParsedOperation { text: text.to_owned(), operation })
 }

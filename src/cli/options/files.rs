@@ -44,7 +44,7 @@ pub(crate) fn targets(
     input: &Input,
     makes: Makes,
 ) -> Result<Targets, Failure> {
-    apart(&self::outputs(&outputs))?;
+    check_distinct(&self::outputs(&outputs))?;
     let mut outputs = outputs.into_iter();
     let first = match (outputs.next(), input) {
         (Some(path), _) => path,
@@ -82,7 +82,7 @@ pub(crate) fn check_files(read: &[(&str, &Input)], written: &[(&str, Option<&Pat
     for (name, file) in read {
         if let Input::File(path) = file {
             for &other in written {
-                apart(&[(name, Some(path.as_path())), other])?;
+                check_distinct(&[(name, Some(path.as_path())), other])?;
             }
         }
     }
@@ -102,7 +102,7 @@ pub(crate) fn plain(path: &Path) -> PathBuf {
 }
 
 /// Refuses that one file is written twice: the later result would destroy the earlier, `--force` or not.
-pub(crate) fn apart(files: &[(&str, Option<&Path>)]) -> Result<(), Failure> {
+pub(crate) fn check_distinct(files: &[(&str, Option<&Path>)]) -> Result<(), Failure> {
     for (i, (name, path)) in files.iter().enumerate() {
         for (other, second) in &files[i + 1..] {
             if let (Some(a), Some(b)) = (path, second)

@@ -10,7 +10,7 @@
 //! Works badly where secondaries form structures larger than a cell, because these are cut.
 
 use super::neighbourhoods::ExemplarSecondaries;
-use crate::arrange::correspondence::{Arrived, Correspondence};
+use crate::arrange::correspondence::{CopiedSecondary, Correspondence};
 use crate::arrange::occupancy::Occupancy;
 use crate::arrange::sites::{Sites, scattered};
 use crate::arrange::variation::Variation;
@@ -72,7 +72,7 @@ pub(crate) fn place(
     if params.without(Ablation::Secondary) {
         return Vec::new();
     }
-    let came = correspondence.map_or_else(Vec::new, |c| arrived(libraries, map, c, params.seed));
+    let came = correspondence.map_or_else(Vec::new, |c| copied(libraries, map, c, params.seed));
     if map.region.all_carried() {
         return came;
     }
@@ -91,7 +91,7 @@ pub(crate) fn place(
 
 /// Secondaries copied along the correspondence field. They keep their exemplar colours, because the
 /// background beneath them is copied too.
-fn arrived(
+fn copied(
     libraries: &[Library],
     map: &Occupancy<'_>,
     correspondence: &Correspondence,
@@ -101,7 +101,7 @@ fn arrived(
     let mut random = stream(seed, "correspondence/secondaries", 0);
     for (number, library) in libraries.iter().enumerate() {
         let samples: Vec<Vec<[f64; 2]>> = library.secondaries().iter().map(samples).collect();
-        let placed_at = |Arrived { secondary, at, variation }| {
+        let placed_at = |CopiedSecondary { secondary, at, variation }| {
             let own = &library.secondaries()[secondary as usize];
             let colour =
                 if own.base().is_soft() { own.colour } else { coarse(own.colour.to_f64(), COLOUR_STEP) };
@@ -362,10 +362,10 @@ impl<'t, 'a> SecondaryFinder<'t, 'a> {
 
     /// Whether enough of a secondary is visible.
     pub(crate) fn fits(&self, p: &PlacedSecondary) -> bool {
-        self.sees(&SecondaryPlace { secondary: p.secondary, at: p.at, variation: p.variation })
+        self.is_visible(&SecondaryPlace { secondary: p.secondary, at: p.at, variation: p.variation })
     }
 
-    fn sees(&self, place: &SecondaryPlace) -> bool {
+    fn is_visible(&self, place: &SecondaryPlace) -> bool {
         visible(self.task.map, &self.samples[place.secondary as usize], place) >= LEAST_VISIBLE
     }
 
@@ -377,19 +377,19 @@ impl<'t, 'a> SecondaryFinder<'t, 'a> {
         random: &mut Stream,
     ) -> Vec<PlacedSecondary> {
         let mut places = self.task.neighbourhood(&self.exemplar, here, in_cell, random);
-        places.retain(|place| self.sees(place));
+        places.retain(|place| self.is_visible(place));
         places.into_iter().map(|place| self.task.placed(place)).collect()
     }
 
     /// Single secondaries in the gaps between existing ones, where the library has more than half the share.
-    pub(crate) fn singles(&self, standing: Vec<[i32; 2]>) -> Vec<PlacedSecondary> {
+    pub(crate) fn fill_gaps(&self, standing: Vec<[i32; 2]>) -> Vec<PlacedSecondary> {
         let mut places: Vec<SecondaryPlace> =
             standing.into_iter().map(|at| SecondaryPlace { secondary: 0, at, variation: 0 }).collect();
         let count = places.len();
         let region = &self.task.map.region;
         let own =
             |at: [i32; 2]| !region.is_shared() || region.shares(at.map(f64::from))[self.task.number] > 0.5;
-        self.task.fill_gaps(&mut places, |place| own(place.at) && self.sees(place));
+        self.task.fill_gaps(&mut places, |place| own(place.at) && self.is_visible(place));
         places.drain(count..).map(|place| self.task.placed(place)).collect()
     }
 }

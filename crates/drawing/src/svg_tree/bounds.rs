@@ -28,7 +28,7 @@ const DEPTH: usize = 32;
 
 /// The reason to refuse a document; `None` if it may be parsed.
 pub(super) fn refused(document: &Document<'_>) -> Option<SvgFault> {
-    let closes = |a: Attribute<'_, '_>| a.name() == "d" && closes(a.value()) > MOST_CLOSES;
+    let closes = |a: Attribute<'_, '_>| a.name() == "d" && consecutive_closes(a.value()) > MOST_CLOSES;
     if document.descendants().flat_map(|n| n.attributes()).any(closes) {
         let reason = format!("a path is closed more than {MOST_CLOSES} times in a row");
         return Some(SvgFault { reason, advice: "delete the repeated Z in its path data" });
@@ -46,7 +46,7 @@ pub(super) fn refused(document: &Document<'_>) -> Option<SvgFault> {
 }
 
 /// Largest number of consecutive commands that close a path.
-fn closes(data: &str) -> usize {
+fn consecutive_closes(data: &str) -> usize {
     let mut longest = 0;
     let mut run = 0;
     for byte in data.bytes() {

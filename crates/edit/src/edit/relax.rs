@@ -68,7 +68,7 @@ impl RelaxedCanvas {
         let near = NearPoints::new(&within, self.periods, distance);
         let all: Vec<usize> = (0..at.len()).collect();
         let way = |&i: &usize| match moves[i] {
-            true => self.way(at, &near, i, moves, distance) * strength,
+            true => self.displacement(at, &near, i, moves, distance) * strength,
             false => Vec2::ZERO,
         };
         let ways = parallel::map(&all, way);
@@ -81,7 +81,7 @@ impl RelaxedCanvas {
     }
 
     /// The displacement of one point in a round.
-    fn way(&self, at: &[Point], near: &NearPoints, i: usize, moves: &[bool], distance: f64) -> Vec2 {
+    fn displacement(&self, at: &[Point], near: &NearPoints, i: usize, moves: &[bool], distance: f64) -> Vec2 {
         let (mut sum, mut count) = (Vec2::ZERO, 0);
         near.each(self.clamped(at[i]), |j| {
             if count >= MOST_NEIGHBOURS {

@@ -131,7 +131,7 @@ impl Interpolation {
         }
         let indices = sides.map(|side| side.libraries);
         let domain = DomainTween::new(both);
-        let shells = [0, 1].map(|k| shell(both[k]));
+        let shells = [0, 1].map(|k| without_content(both[k]));
         Ok(Self { ends, scenes, shells, layers, domain, libraries, indices })
     }
 
@@ -294,7 +294,7 @@ pub fn across(
 const STAGE: &str = "matching";
 
 /// A scene without elements, layers and domain.
-fn shell(scene: &Scene) -> Scene {
+fn without_content(scene: &Scene) -> Scene {
     Scene { elements: Vec::new(), layers: Vec::new(), domain: None, ..scene.clone() }
 }
 

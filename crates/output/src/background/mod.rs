@@ -121,7 +121,7 @@ impl PreparedBackground {
 /// The stops of all rows and columns; columns begin at the samples `starts`.
 fn fit(samples: &FieldSamples, xs: &[f64], starts: &[usize]) -> Vec<Vec<Vec<RowStop>>> {
     let last = xs.len() - 1;
-    let mut values = samples.settled();
+    let mut values = samples.balanced_rows();
     let mut rows = vec![Vec::new(); values.len()];
     for parity in 0..2 {
         let fitted = samples.improve(&mut values, parity, |corridor| {

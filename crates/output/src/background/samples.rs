@@ -54,7 +54,7 @@ impl FieldSamples {
 
     /// Rows that fit best together, before any stop is left out. Where the field has a peak between rows, the
     /// errors above and below it are balanced.
-    pub(super) fn settled(&self) -> Vec<Line> {
+    pub(super) fn balanced_rows(&self) -> Vec<Line> {
         let mut values: Vec<Line> = self.lines.iter().step_by(LINES).cloned().collect();
         for round in 0..ROUNDS {
             self.improve(&mut values, round % 2, |corridor| {

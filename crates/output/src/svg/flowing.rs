@@ -58,7 +58,7 @@ pub(super) struct DocumentMotion<'a> {
 }
 
 /// The path of one element.
-pub(super) struct Way<'a> {
+pub(super) struct AnimatedPath<'a> {
     moving: &'a DocumentMotion<'a>,
     keys: &'a [Key],
 }
@@ -83,9 +83,9 @@ impl DocumentMotion<'_> {
     }
 
     /// The path of an element, unless it rests.
-    pub(super) fn way(&self, instance: &Instance) -> Option<Way<'_>> {
+    pub(super) fn path_of(&self, instance: &Instance) -> Option<AnimatedPath<'_>> {
         let keys = self.ways.get(&instance.id)?;
-        Some(Way { moving: self, keys })
+        Some(AnimatedPath { moving: self, keys })
     }
 
     /// One animation of the open group.
@@ -102,7 +102,7 @@ impl DocumentMotion<'_> {
     }
 }
 
-impl Way<'_> {
+impl AnimatedPath<'_> {
     /// Writes the place and the animations of the open group.
     pub(super) fn write<W: Write>(&self, xml: &mut Xml<W>, instance: &Instance) -> io::Result<()> {
         let precision = self.moving.precision;

@@ -45,7 +45,7 @@ pub use flowing::write_flow;
 use super::background::PreparedBackground;
 use super::categories::{SceneCategory, class};
 use super::{CSS_DPI, DPI};
-use flowing::{DocumentMotion, Way, at_origin};
+use flowing::{AnimatedPath, DocumentMotion, at_origin};
 use layers::LayerGroup;
 use number::{HexColour, Number};
 use std::io::{self, Write};
@@ -377,7 +377,7 @@ impl<'a> Document<'a> {
             }
             for instance in run {
                 for shift in textons.copies(instance) {
-                    let moves = self.way(instance).is_some();
+                    let moves = self.path_of(instance).is_some();
                     if moves {
                         xml.open("g");
                     }
@@ -397,8 +397,8 @@ impl<'a> Document<'a> {
     }
 
     /// The path of an element, unless it rests.
-    fn way(&self, instance: &Instance) -> Option<Way<'_>> {
-        self.moving.as_ref().and_then(|moving| moving.way(instance))
+    fn path_of(&self, instance: &Instance) -> Option<AnimatedPath<'_>> {
+        self.moving.as_ref().and_then(|moving| moving.path_of(instance))
     }
 
     /// Writes an element in the open group, which is animated if the element moves.
@@ -409,7 +409,7 @@ impl<'a> Document<'a> {
         shift: Vec2,
         fill: bool,
     ) -> io::Result<()> {
-        match self.way(instance) {
+        match self.path_of(instance) {
             Some(way) => {
                 way.write(xml, instance)?;
                 self.textons.write_instance(xml, &at_origin(instance), shift, fill)

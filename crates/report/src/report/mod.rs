@@ -92,7 +92,7 @@ pub fn write(subject: &Subject<'_>, mut out: impl Write) -> io::Result<Vec<Strin
     let json = serde_json::to_string(&data)?;
     let page = ReportPage { title: title(subject, &groups), json, files };
     page.write(&mut out)?;
-    Ok(photo::strangers(&groups, subject.photos))
+    Ok(photo::unmatched(&groups, subject.photos))
 }
 
 /// Validates a document that may have been built in memory.

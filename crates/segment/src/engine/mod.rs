@@ -251,7 +251,7 @@ fn guarded<T>(name: &str, work: impl FnOnce() -> Result<T>) -> Result<T> {
 }
 
 /// Indices in `ports` of the given inputs. Checks that each tensor has as many elements as its shape.
-fn given(name: &str, ports: &[Port], inputs: &[(&str, &Tensor)]) -> Result<Vec<usize>> {
+fn input_indices(name: &str, ports: &[Port], inputs: &[(&str, &Tensor)]) -> Result<Vec<usize>> {
     if let Some((input, _)) = inputs.iter().find(|(_, tensor)| !tensor.is_whole()) {
         return Err(Error::Network {
             name: name.to_owned(),

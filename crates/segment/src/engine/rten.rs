@@ -5,7 +5,7 @@
 //! uses the default threads. They do not exist in a process that is forked later, so networks are refused
 //! there.
 
-use super::{Engine, NetworkSource, Port, Tensor, Values, given, guarded, places, structure};
+use super::{Engine, NetworkSource, Port, Tensor, Values, guarded, input_indices, places, structure};
 use ::rten::{DataType, Dimension, Model, NodeId, RunOptions, ThreadPool, Value, ValueOrView, ValueType};
 use rten_tensor::prelude::*;
 use std::fs::File;
@@ -79,17 +79,17 @@ impl Engine for RtenNetwork {
     }
 
     fn run(&self, inputs: &[(&str, &Tensor)], outputs: &[&str]) -> Result<Vec<Tensor>> {
-        let given = given(&self.name, &self.inputs, inputs)?;
-        let given = given.into_iter().zip(inputs).map(|(place, (_, tensor))| {
+        let indices = input_indices(&self.name, &self.inputs, inputs)?;
+        let arguments = indices.into_iter().zip(inputs).map(|(place, (_, tensor))| {
             let id = self.model.input_ids()[place];
             Ok((id, ValueOrView::from(self.converted(id, tensor)?)))
         });
-        let given: Vec<(NodeId, ValueOrView<'_>)> = given.collect::<Result<_>>()?;
+        let arguments: Vec<(NodeId, ValueOrView<'_>)> = arguments.collect::<Result<_>>()?;
         let wanted = places(&self.name, &self.outputs, outputs)?;
         let wanted: Vec<NodeId> = wanted.into_iter().map(|place| self.model.output_ids()[place]).collect();
         guarded(&self.name, || {
             let options = RunOptions::default().with_thread_pool(self.pool.clone());
-            let values = self.model.run(given, &wanted, Some(options));
+            let values = self.model.run(arguments, &wanted, Some(options));
             let values = values.map_err(|e| self.failure(format!("rten cannot run it: {e}")))?;
             values.into_iter().map(|value| self.taken(value)).collect()
         })

@@ -3,7 +3,7 @@
 use crate::cli::failure::Failure;
 use crate::cli::input::Input;
 use crate::cli::number::Takes;
-use crate::cli::options::files::{ForceArgs, apart, outputs};
+use crate::cli::options::files::{ForceArgs, check_distinct, outputs};
 use crate::cli::options::frames::{FRAMES, FrameFormat, Played, formats, played};
 use crate::cli::options::render::RenderFlags;
 use crate::cli::options::svg::SvgFlags;
@@ -145,7 +145,7 @@ impl AnimateArgs {
             return Err(Failure::usage("nothing says where the animation goes")
                 .hint("give -o animation.svg, .gif or .png, or a folder for frames"));
         }
-        apart(&outputs(&self.output))?;
+        check_distinct(&outputs(&self.output))?;
         let one = |path| played(path, self.format, self.force.force, otherwise);
         self.output.into_iter().map(one).collect()
     }

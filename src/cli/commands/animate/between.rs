@@ -127,7 +127,7 @@ pub(super) fn run(common: &Common, reporter: &Reporter, job: &Between) -> anyhow
                 size: drawing.size_of(&from, first.format()),
                 ..Summary::new("animate", names, first.path(), written, reporter)
             };
-            return summary.tell(common, false);
+            return summary.print(common, false);
         }
     };
     if let Some(warning) = drawing.render.warning(targets.has(Format::Png)) {
@@ -140,7 +140,7 @@ pub(super) fn run(common: &Common, reporter: &Reporter, job: &Between) -> anyhow
         counts: Some(ElementCounts::of_scene(&scene)),
         ..Summary::new("animate", names, targets.path(), written, reporter)
     };
-    summary.tell(common, targets.piped())
+    summary.print(common, targets.piped())
 }
 
 /// Where a scene turns into another, with the map that says so.

@@ -77,5 +77,5 @@ pub(super) fn run(common: &Common, reporter: &Reporter, job: &Flowed) -> anyhow:
         size: drawing.size_of(&scene, first.format()),
         ..Summary::new("animate", vec![job.scene.name()], first.path(), written, reporter)
     };
-    summary.tell(common, false)
+    summary.print(common, false)
 }

@@ -46,7 +46,7 @@ impl Batch {
             masks_from(None, segmenter, sam.clone())
         })?;
         let steering = Steering::new(arguments.control, Vec::new());
-        apart(&jobs, &steering, &out_dir)?;
+        check_distinct(&jobs, &steering, &out_dir)?;
         let engine = engine(arguments.engine, parameters.threads);
         let (shard, force) = (arguments.shard.unwrap_or(Shard::WHOLE), arguments.force);
         Ok(Self { jobs, out_dir, shard, force, engine, steering, seed: *seed })
@@ -54,7 +54,7 @@ impl Batch {
 }
 
 /// Refuses that a file is read and written, and that standard input is read for every job.
-fn apart(jobs: &[BatchJob], steering: &Steering, out_dir: &Path) -> Result<(), Failure> {
+fn check_distinct(jobs: &[BatchJob], steering: &Steering, out_dir: &Path) -> Result<(), Failure> {
     let folder = plain(out_dir);
     let results: BTreeSet<PathBuf> =
         jobs.iter().flat_map(BatchJob::files).map(|file| folder.join(file)).collect();

@@ -82,7 +82,7 @@ pub(super) fn run(
             reporter,
         )
     };
-    summary.tell(common, page.place == Destination::Stdout)
+    summary.print(common, page.place == Destination::Stdout)
 }
 
 /// Libraries, and the scene if there is one.

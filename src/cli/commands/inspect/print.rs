@@ -6,7 +6,7 @@ use crate::cli::failure::label;
 use crate::cli::foreign::escaped;
 use crate::cli::input::{Input, InputKind};
 use crate::cli::output;
-use crate::cli::summary::{ElementCounts, bytes as show_bytes, measured, regular};
+use crate::cli::summary::{ElementCounts, bytes as show_bytes, lattice_measures, lattice_text};
 use anstyle::{AnsiColor, RgbColor, Style};
 use serde::Serialize;
 use vtex::library::{AnalyzeParams, Lattice, Library};
@@ -292,8 +292,8 @@ impl Inspection {
             _ => {}
         }
         if let Some(lattice) = &self.lattice {
-            line("regular", regular(lattice));
-            line("", measured(lattice));
+            line("regular", lattice_text(lattice));
+            line("", lattice_measures(lattice));
         }
         let layers: Vec<&str> = self.layers.iter().map(|layer| layer.name.as_str()).collect();
         line("layers", layers.join(", "));

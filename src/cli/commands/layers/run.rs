@@ -34,7 +34,7 @@ pub(super) fn run(common: &Common, reporter: &Reporter, job: &Mapping) -> anyhow
         layers: made.layers,
         ..Summary::new("layers", made.inputs, job.target.place.path(), WrittenFile::of(made.bytes), reporter)
     };
-    summary.tell(common, job.target.place == Destination::Stdout)
+    summary.print(common, job.target.place == Destination::Stdout)
 }
 
 /// The written file.

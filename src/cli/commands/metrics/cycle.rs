@@ -53,7 +53,7 @@ pub(super) fn run(
     if common.json {
         return print_json(&cycle, false);
     }
-    print_styled(&told(&cycle))
+    print_styled(&text(&cycle))
 }
 
 /// The elements of an SVG at its own size, and its picture. Where layers are named as vtex names them, the large
@@ -80,7 +80,7 @@ fn of_svg(bytes: &[u8], analysis: &Analysis, reporter: &Reporter) -> anyhow::Res
 }
 
 /// The numbers with explanations.
-fn told(cycle: &Cycle) -> String {
+fn text(cycle: &Cycle) -> String {
     let row =
         |name: &str, value: String, meaning: &str| [name.to_owned(), value, meaning.to_owned()].to_vec();
     table(&[

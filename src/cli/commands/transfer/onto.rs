@@ -83,7 +83,7 @@ pub(super) fn run(common: &Common, reporter: &Reporter, job: &Redrawing) -> anyh
         counts: Some(ElementCounts::of_scene(&scene)),
         ..Summary::new("transfer", inputs, targets.path(), written, reporter)
     };
-    summary.tell(common, targets.piped())
+    summary.print(common, targets.piped())
 }
 
 /// An SVG over white, its longer side as many pixels as the canvas has.

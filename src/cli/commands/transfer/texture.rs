@@ -119,5 +119,5 @@ pub(super) fn run(common: &Common, reporter: &Reporter, job: &Transferring) -> a
     if !common.quiet && report.thin > 0 {
         say(&format!("  {} elements are too thin to be drawn anew and keep their shape", report.thin));
     }
-    summary.tell(common, piped)
+    summary.print(common, piped)
 }

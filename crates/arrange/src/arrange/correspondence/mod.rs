@@ -36,7 +36,7 @@ use image::{Rgb, RgbImage};
 use instances::Kinds;
 use pages::Pages;
 use resolve::{Resolution, Resolver};
-pub(crate) use secondaries::Arrived;
+pub(crate) use secondaries::CopiedSecondary;
 use serde::Serialize;
 use similar::Substitutes;
 use structure_classes::StructureClasses;

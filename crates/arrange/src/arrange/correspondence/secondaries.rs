@@ -17,7 +17,7 @@ const BUCKET: i32 = 8;
 
 /// A copied secondary.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Arrived {
+pub(crate) struct CopiedSecondary {
     /// Its index in its library.
     pub(crate) secondary: u32,
     /// Place of its origin on the canvas, in pixels.
@@ -27,7 +27,7 @@ pub(crate) struct Arrived {
 }
 
 /// A secondary on a page.
-struct Held {
+struct PageSecondary {
     /// Row and column of the cell of its origin.
     cell: (u16, u16),
     secondary: u32,
@@ -45,13 +45,13 @@ impl Correspondence {
         library: &Library,
         number: usize,
         model: &PlacementModel,
-    ) -> Vec<Arrived> {
+    ) -> Vec<CopiedSecondary> {
         let cell = self.pages.cell;
         let mut placed = Vec::new();
-        let held: Vec<Vec<Held>> = (0..self.pages.sheets.len())
+        let on_page: Vec<Vec<PageSecondary>> = (0..self.pages.sheets.len())
             .map(|k| {
                 let own = self.pages.sheets[k].library == number;
-                if own { self.held(library, k, model) } else { Vec::new() }
+                if own { self.on_page(library, k, model) } else { Vec::new() }
             })
             .collect();
         let [w, h] = self.field.size;
@@ -60,10 +60,10 @@ impl Correspondence {
                 let source = self.field.sources[y * w + x];
                 let page = usize::from(source.page);
                 let key = (source.at[1], source.at[0]);
-                let first = held[page].partition_point(|s| s.cell < key);
-                for s in held[page][first..].iter().take_while(|s| s.cell == key) {
+                let first = on_page[page].partition_point(|s| s.cell < key);
+                for s in on_page[page][first..].iter().take_while(|s| s.cell == key) {
                     let at = [0, 1].map(|k| ([x, y][k] as i32 - self.margin[k]) * cell + s.within[k]);
-                    placed.push(self.arrived(page, s.secondary, at));
+                    placed.push(self.copied_secondary(page, s.secondary, at));
                 }
             }
         }
@@ -72,27 +72,27 @@ impl Correspondence {
         placed
     }
 
-    fn arrived(&self, page: usize, secondary: u32, at: [i32; 2]) -> Arrived {
-        Arrived { secondary, at, variation: self.pages.sheets[page].variation }
+    fn copied_secondary(&self, page: usize, secondary: u32, at: [i32; 2]) -> CopiedSecondary {
+        CopiedSecondary { secondary, at, variation: self.pages.sheets[page].variation }
     }
 
     /// The secondaries of a page by the cells of their origins.
-    fn held(&self, library: &Library, page: usize, model: &PlacementModel) -> Vec<Held> {
+    fn on_page(&self, library: &Library, page: usize, model: &PlacementModel) -> Vec<PageSecondary> {
         let (sheet, cell) = (&self.pages.sheets[page], self.pages.cell);
         let size = self.pages.pages[page].size;
-        let mut held = Vec::new();
+        let mut on_page = Vec::new();
         for (k, s) in library.secondaries().iter().enumerate() {
             sheet.copies(model, s.origin(), size.map(|v| v as i32 * cell), |at| {
                 let within = at.map(|v| v.rem_euclid(cell));
-                held.push(Held {
+                on_page.push(PageSecondary {
                     cell: ((at[1] / cell) as u16, (at[0] / cell) as u16),
                     secondary: k as u32,
                     within,
                 });
             });
         }
-        held.sort_unstable_by_key(|s| (s.cell, s.secondary));
-        held
+        on_page.sort_unstable_by_key(|s| (s.cell, s.secondary));
+        on_page
     }
 
     /// Secondaries at the borders of islands of which enough was copied, but not the cell of the origin.
@@ -102,8 +102,8 @@ impl Correspondence {
         library: &Library,
         number: usize,
         model: &PlacementModel,
-        placed: &[Arrived],
-    ) -> Vec<Arrived> {
+        placed: &[CopiedSecondary],
+    ) -> Vec<CopiedSecondary> {
         let cell = self.pages.cell;
         let shapes = SecondaryShapes::new(library);
         let mut votes: Vec<(u32, [i32; 2], usize)> = Vec::new();
@@ -135,7 +135,7 @@ impl Correspondence {
             enough && known.binary_search(&(secondary, at)).is_err()
         };
         let groups = votes.chunk_by(|a, b| a == b).filter(arrived);
-        groups.map(|v| self.arrived(v[0].2, v[0].0, v[0].1)).collect()
+        groups.map(|v| self.copied_secondary(v[0].2, v[0].0, v[0].1)).collect()
     }
 
     /// Whether another island is within two cells of a cell.

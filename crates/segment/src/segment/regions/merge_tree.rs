@@ -275,7 +275,7 @@ impl Queue {
         let mut queue =
             Self { heap: BinaryHeap::new(), bins: vec![Vec::new(); 1 << (32 - BIN)], taken: 0, least };
         for e in 0..queue.least.len() {
-            queue.wait(queue.least[e], e as u32);
+            queue.enqueue(queue.least[e], e as u32);
         }
         queue
     }
@@ -289,10 +289,10 @@ impl Queue {
 
     fn push(&mut self, border: u32, weight: f32) {
         self.least[border as usize] = weight.to_bits();
-        self.wait(weight.to_bits(), border);
+        self.enqueue(weight.to_bits(), border);
     }
 
-    fn wait(&mut self, bits: u32, border: u32) {
+    fn enqueue(&mut self, bits: u32, border: u32) {
         let bin = (bits >> BIN) as usize;
         if bin < self.taken {
             self.heap.push(Reverse((bits, border)))

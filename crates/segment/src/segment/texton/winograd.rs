@@ -143,14 +143,14 @@ impl TileBatch<'_> {
                     for i in 0..SIDE {
                         line[i] = ops.load(&cells[i][j][c..]);
                     }
-                    columns[j] = forth(isa, line);
+                    columns[j] = transformed_input(isa, line);
                 }
                 for i in 0..SIDE {
                     let mut line = [ops.zero(); SIDE];
                     for j in 0..SIDE {
                         line[j] = columns[j][i];
                     }
-                    let line = forth(isa, line);
+                    let line = transformed_input(isa, line);
                     for j in 0..SIDE {
                         let to = (i * SIDE + j) * stride + tile * channels + c;
                         ops.store(line[j], &mut self.surroundings[to..]);
@@ -230,7 +230,7 @@ impl TileBatch<'_> {
 
 /// Transforms a line of a tile's surroundings.
 #[inline(always)]
-fn forth<I: Isa>(isa: I, [a, b, c, d, e, f]: [I::F32; SIDE]) -> [I::F32; SIDE] {
+fn transformed_input<I: Isa>(isa: I, [a, b, c, d, e, f]: [I::F32; SIDE]) -> [I::F32; SIDE] {
     let ops = isa.f32();
     let [two, four] = [ops.splat(2.0), ops.splat(4.0)];
     let [less_4, less_5] = [ops.splat(-4.0), ops.splat(-5.0)];
