@@ -1,5 +1,5 @@
-//! Text of files, names and other programs, made fit for a terminal: nothing in it can move the cursor,
-//! change colours or fill the screen.
+//! Makes text of files, names and other programs safe for a terminal: it cannot move the cursor, change
+//! colours or fill the screen.
 
 /// Most characters of a line that is made of foreign text.
 const LONGEST: usize = 600;
@@ -41,7 +41,7 @@ pub(crate) fn line(text: &str) -> String {
     if count <= LONGEST {
         return plain;
     }
-    // The cause often stands at the end.
+    // The end is kept because it often states the cause.
     let end = LONGEST / 3;
     let beginning: String = plain.chars().take(LONGEST - end).collect();
     let end: String = plain.chars().skip(count - end).collect();
@@ -65,8 +65,7 @@ pub(crate) fn cut(text: &str, characters: usize) -> String {
     }
 }
 
-/// A printed text of several lines that may hold styles of our own: they stay, anything else that acts on
-/// a terminal is written out.
+/// A text of several lines. Styles of vtex are kept; all other control characters are escaped.
 pub(crate) fn styled(text: &str) -> String {
     let mut plain = String::with_capacity(text.len());
     let mut rest = text;

@@ -80,7 +80,7 @@ pub(crate) struct Summary {
 
 impl Summary {
     /// Summary of a finished command, with the warnings of the writer. Fields that only some commands have
-    /// are left out. Nothing can be reported afterwards.
+    /// are empty. Ends the reports of progress.
     pub(crate) fn new(
         command: &'static str,
         inputs: Vec<String>,
@@ -151,7 +151,7 @@ impl PhotographReduction {
 /// Number of elements by kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub(crate) struct ElementCounts {
-    /// Of a library: primaries known. Of a scene: primaries placed.
+    /// Primaries of a library, or placed primaries of a scene.
     pub(crate) primaries: usize,
     /// Primaries that the border cuts.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -238,7 +238,7 @@ pub(crate) struct LayersReport {
 }
 
 impl LayersReport {
-    /// Layers of a library's exemplar; `None` if it has one and nothing had to be decided.
+    /// Layers of a library's exemplar; `None` for a single layer without a decision on the number.
     pub(crate) fn of_library(library: &Library) -> Option<Self> {
         let map = layer_map(library);
         let why = library.source.strata_reason.clone();
@@ -469,9 +469,9 @@ fn structure_text(s: &Structure) -> String {
 }
 
 /// Advice if few elements of a texture were carried whole; `None` if enough were. Of 24 photographs on
-/// canvases of 800 px it concerns one: of its planks an eighth were carried whole, a third without the rows.
-/// Of bricks two in five were carried whole, which is not noticeable. Of a quarter of a photograph of cracked
-/// mud a sixth was carried whole, of all of it two thirds.
+/// canvases of 800 px one gets the advice: an eighth of its planks were carried whole, a third without the
+/// rows. Of bricks two fifths were carried whole, which is not noticeable. Of cracked mud a sixth was carried
+/// whole from a quarter of the photograph, two thirds from all of it.
 pub(crate) fn few_whole(s: &Structure, library: &Library) -> Option<String> {
     const LEAST_SHARE: f64 = 0.25;
     const LEAST_COUNT: usize = 8;

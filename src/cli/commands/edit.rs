@@ -114,7 +114,7 @@ struct EditSummary<'a> {
     operations: Vec<OperationReport<'a>>,
 }
 
-/// An operation as it was written, and its outcome.
+/// The text of an operation, and its outcome.
 #[derive(Serialize)]
 struct OperationReport<'a> {
     operation: &'a str,
@@ -158,7 +158,7 @@ fn run(common: &Common, reporter: &Reporter, editing: &Editing) -> anyhow::Resul
     if !common.quiet {
         done.iter().for_each(|done| say(&line(done)));
     }
-    // The seed is the scene's own or was given, so it is not reported.
+    // The seed is that of the scene or was given, so it is not reported.
     summary.print(&Common { seed_chosen: false, debug_folder: None, ..*common }, piped)
 }
 

@@ -88,7 +88,7 @@ impl Arguments for VectorizeArgs {
         let photo = required(photo)?;
         let targets = targets(output.clone(), &force, &photo, MAKES)?;
         let analysis = Analysis::new(photo, (masks, layer_files), &force, &output, &resolved.parameters)?;
-        // Nothing is tiled here.
+        // A picture is not tiled.
         let masks = without_network(analysis.masks);
         let analysis = Analysis { looks_at_borders: false, masks, ..analysis };
         let (svg, render) = (resolved.parameters.svg, resolved.parameters.render);

@@ -1,4 +1,4 @@
-//! The text of an operation as clap sees it, and what it means.
+//! Parses the text of an operation.
 
 use super::fault::{self, Fault};
 use super::verb::Verb;
@@ -9,7 +9,7 @@ use clap::{CommandFactory, Parser};
 use vtex::edit::condition::{EXPECTED, NAMES};
 use vtex::edit::{Condition, Operation, validate};
 
-/// An operation and the text that asked for it.
+/// An operation and its text.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct ParsedOperation {
     pub(crate) text: String,
@@ -46,8 +46,7 @@ fn condition(text: &str) -> Result<Condition, Fault> {
 /// Reads an operation and checks it. `read` gives the bytes of a file by its name; only palettes are
 /// read, because the operation holds their colours.
 ///
-/// # Errors
-/// A usage error that says what is wrong and what would be right; those of `read`.
+/// # Errors A usage error with a correction; errors of `read`.
 pub(crate) fn parse(
     text: &str,
     read: impl FnOnce(&str) -> vtex::Result<Vec<u8>>,

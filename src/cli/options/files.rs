@@ -73,7 +73,7 @@ pub(crate) fn outputs(paths: &[PathBuf]) -> Vec<(&'static str, Option<&Path>)> {
     paths.iter().map(|path| ("-o", Some(path.as_path()))).collect()
 }
 
-/// Refuses that a file is read and written, or standard input read twice.
+/// Fails if a file would be read and written, or standard input read twice.
 pub(crate) fn check_files(read: &[(&str, &Input)], written: &[(&str, Option<&Path>)]) -> Result<(), Failure> {
     if read.iter().filter(|(_, file)| **file == Input::Stdin).count() > 1 {
         let failure = Failure::usage("'-' stands for more than one file");
@@ -101,7 +101,8 @@ pub(crate) fn plain(path: &Path) -> PathBuf {
     }
 }
 
-/// Refuses that one file is written twice: the later result would destroy the earlier, `--force` or not.
+/// Fails if a file would be written twice: the later result would overwrite the earlier, even without
+/// `--force`.
 pub(crate) fn check_distinct(files: &[(&str, Option<&Path>)]) -> Result<(), Failure> {
     for (i, (name, path)) in files.iter().enumerate() {
         for (other, second) in &files[i + 1..] {

@@ -104,7 +104,7 @@ pub(crate) struct AnimateArgs {
     pub(crate) svg: SvgFlags,
 }
 
-/// A flow, or the file that says it.
+/// A flow, or the file of its directions.
 #[derive(Clone, Debug)]
 pub(crate) enum FlowFrom {
     Known(Flow),
@@ -139,7 +139,7 @@ fn where_it_turns(text: OsString) -> MorphFrom {
 }
 
 impl AnimateArgs {
-    /// What is played: at least one.
+    /// The outputs of an animation, at least one.
     pub(super) fn played(self, otherwise: &str) -> Result<Vec<Played>, Failure> {
         if self.output.is_empty() {
             return Err(Failure::usage("nothing says where the animation goes")

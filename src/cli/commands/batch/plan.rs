@@ -31,8 +31,7 @@ pub(crate) struct Batch {
 impl Batch {
     /// Checks the whole batch before any work starts.
     ///
-    /// # Errors
-    /// Usage errors, and what cannot be read of folders.
+    /// # Errors Usage errors, and errors of reading folders.
     pub(crate) fn new(arguments: BatchArgs, resolved: &Resolved) -> anyhow::Result<Self> {
         let Resolved { parameters, seed, config, values, .. } = resolved;
         let Some(source) = arguments.source else {
@@ -53,7 +52,7 @@ impl Batch {
     }
 }
 
-/// Refuses that a file is read and written, and that standard input is read for every job.
+/// Fails if a file would be read and written, or standard input read by every job.
 fn check_distinct(jobs: &[BatchJob], steering: &Steering, out_dir: &Path) -> Result<(), Failure> {
     let folder = plain(out_dir);
     let results: BTreeSet<PathBuf> =

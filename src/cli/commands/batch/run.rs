@@ -34,7 +34,7 @@ use vtex::scene::{Scene, SynthParams};
 use vtex::synth::{SynthReport, synthesize_with};
 use vtex::{Error, Progress};
 
-/// Everything that results depend on besides the program's version.
+/// Everything that results depend on, except the program's version.
 #[derive(Serialize)]
 struct ResultInputs<'a> {
     program: &'static str,
@@ -80,7 +80,7 @@ struct ResolvedJob<'a> {
     synth: SynthParams,
 }
 
-/// A texture that is made but not written.
+/// A texture that is not written yet.
 struct UnwrittenTexture {
     /// The library made from a photograph, or the input library.
     library: Library,
@@ -227,7 +227,7 @@ impl<'a> ResolvedJob<'a> {
             Ok(made)
         });
         record.warnings = reporter.finish().1;
-        // Work also stops if a picture of a stage cannot be written; then that is the reason.
+        // Work also stops if a picture of a stage cannot be written; that error is then the reason.
         let made = match reporter.failure() {
             Some(reason) => return Err(reason.into()),
             None => outcome?,
@@ -241,8 +241,8 @@ impl<'a> ResolvedJob<'a> {
         Ok(())
     }
 
-    /// The checksum of everything that results depend on; a seed that was not given does not count, because
-    /// every run has another.
+    /// The checksum of everything that results depend on, except a seed that was not given, because it
+    /// differs in every run.
     fn key(&self, input: &[u8], is_library: bool) -> anyhow::Result<String> {
         let given = self.job.parameters.seed.is_some();
         let seed = |seed: u64| if given { seed } else { 0 };

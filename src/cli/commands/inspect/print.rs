@@ -360,8 +360,8 @@ impl Inspection {
     }
 }
 
-/// Rows of cells in columns: titles bold, the first column to the left, all others to the right.
-/// If there are colours, each row after the first has a patch of its own before the second column.
+/// A table: titles are bold, the first column is aligned to the left, all others to the right. With colours,
+/// each row after the first has a patch of its colour before the second column.
 fn table(rows: &[Vec<String>], swatches: &[Colour], text: &mut String) {
     let bold = Style::new().bold();
     let width = |k: usize| rows.iter().filter_map(|r| r.get(k)).map(|c| c.chars().count()).max().unwrap_or(0);

@@ -207,7 +207,7 @@ impl Mapping {
     }
 }
 
-/// The place of a map: the given one; else stdout if the input is stdin; else a file named after the input.
+/// The place of a map: the given one, else stdout if the input is stdin, else a file named after the input.
 fn target(output: Option<PathBuf>, force: bool, input: &Input, ending: &str) -> Result<MapTarget, Failure> {
     let path = match (output, input) {
         (Some(path), _) => path,

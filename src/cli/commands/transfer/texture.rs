@@ -21,7 +21,7 @@ use vtex::transfer::{TransferParams, TransferReport, transfer};
 
 const MAKES: Makes = Makes { allowed: format::OF_SCENE, usual: Format::Svg, word: "transfer" };
 
-/// Textures, and how they are put together and written.
+/// Textures, the parameters of the transfer, and the outputs.
 pub(super) struct Transferring {
     structure: Analysis,
     appearances: Vec<Analysis>,
