@@ -342,7 +342,7 @@ impl PlacementModel {
             let mut run: Option<(i32, u32)> = None;
             for x in -half..=half + 1 {
                 let label = if x <= *half {
-                    let [dx, dy] = variation.back([x, y]);
+                    let [dx, dy] = variation.source_pixel([x, y]);
                     exemplar.at([ox + dx, oy + dy])
                 } else {
                     None

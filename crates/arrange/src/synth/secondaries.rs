@@ -276,7 +276,7 @@ impl SecondaryTask<'_, '_> {
         let source = exemplar.best_source(here, CANDIDATES, varied, free, random);
         let mut found = Vec::new();
         exemplar.around(source, |secondary, offset| {
-            let [dx, dy] = varied.there(offset);
+            let [dx, dy] = varied.mapped_pixel(offset);
             let at = [here[0] + dx, here[1] + dy];
             if in_cell(at) {
                 let density = map.region.density(at.map(f64::from));

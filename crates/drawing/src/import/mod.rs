@@ -83,7 +83,7 @@ pub fn import(bytes: &[u8], name: &str, params: &ImportParams, progress: &dyn Pr
     let found = pieces.len();
     let (background, pieces) = assemble::background(&page, pieces);
     // To save time, very many shapes beneath the background are not drawn.
-    page.lacks |= found - pieces.len() > MOST_BENEATH;
+    page.is_incomplete |= found - pieces.len() > MOST_BENEATH;
     let scale = assemble::scale(&page, &pieces, name)?;
     let picture = picture::picture(&page, (background, &pieces), scale)
         .map_err(|found| read::fault(name, found.reason, found.advice))?;

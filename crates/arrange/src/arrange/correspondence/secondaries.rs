@@ -11,7 +11,7 @@ use vtex_base::geometry::{Interior, Point};
 use vtex_scene::library::{ExemplarElement, Library};
 
 /// Least copied share of a secondary whose origin's cell was not copied.
-const ARRIVED: f64 = 0.4;
+const LEAST_COPIED: f64 = 0.4;
 /// Side of the buckets in which secondaries are sought, in pixels.
 const BUCKET: i32 = 8;
 
@@ -33,6 +33,16 @@ struct PageSecondary {
     secondary: u32,
     /// Place of its origin within the cell.
     within: [i32; 2],
+}
+
+/// A place at which a cell of the canvas shows a part of a secondary.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct SecondaryVote {
+    secondary: u32,
+    /// Place of its origin on the canvas, in pixels.
+    at: [i32; 2],
+    /// Index of the page that it is copied from.
+    page: usize,
 }
 
 impl Correspondence {
@@ -67,7 +77,7 @@ impl Correspondence {
                 }
             }
         }
-        let without = self.arrived_without_origin(library, number, model, &placed);
+        let without = self.copied_without_origin(library, number, model, &placed);
         placed.extend(without);
         placed
     }
@@ -97,7 +107,7 @@ impl Correspondence {
 
     /// Secondaries at the borders of islands of which enough was copied, but not the cell of the origin.
     /// Without them seams would be bare where secondaries tile the background.
-    fn arrived_without_origin(
+    fn copied_without_origin(
         &self,
         library: &Library,
         number: usize,
@@ -106,7 +116,7 @@ impl Correspondence {
     ) -> Vec<CopiedSecondary> {
         let cell = self.pages.cell;
         let shapes = SecondaryShapes::new(library);
-        let mut votes: Vec<(u32, [i32; 2], usize)> = Vec::new();
+        let mut votes: Vec<SecondaryVote> = Vec::new();
         let [w, h] = self.field.size;
         for y in 0..h {
             for x in 0..w {
@@ -121,21 +131,22 @@ impl Correspondence {
                 for secondary in shapes.at(library, place) {
                     let own = library.secondaries()[secondary as usize].origin();
                     let own = sheet.on_page(model, own, there);
-                    votes.push((secondary, [0, 1].map(|k| canvas[k] + own[k] - there[k]), page));
+                    let at = [0, 1].map(|k| canvas[k] + own[k] - there[k]);
+                    votes.push(SecondaryVote { secondary, at, page });
                 }
             }
         }
         votes.sort_unstable();
         let mut known: Vec<(u32, [i32; 2])> = placed.iter().map(|p| (p.secondary, p.at)).collect();
         known.sort_unstable();
-        let arrived = |votes: &&[(u32, [i32; 2], usize)]| {
-            let (secondary, at, _) = votes[0];
+        let is_added = |votes: &&[SecondaryVote]| {
+            let SecondaryVote { secondary, at, .. } = votes[0];
             let area = covered(&library.secondaries()[secondary as usize]);
-            let enough = votes.len() as f64 * f64::from(cell * cell) >= ARRIVED * area;
+            let enough = votes.len() as f64 * f64::from(cell * cell) >= LEAST_COPIED * area;
             enough && known.binary_search(&(secondary, at)).is_err()
         };
-        let groups = votes.chunk_by(|a, b| a == b).filter(arrived);
-        groups.map(|v| self.copied_secondary(v[0].2, v[0].0, v[0].1)).collect()
+        let groups = votes.chunk_by(|a, b| a == b).filter(is_added);
+        groups.map(|v| self.copied_secondary(v[0].page, v[0].secondary, v[0].at)).collect()
     }
 
     /// Whether another island is within two cells of a cell.
