@@ -365,53 +365,53 @@ impl Summary {
             say(&format!("seed: {seed} (give --seed {seed} for the same again)"));
         }
         if common.verbosity > 0 {
-            if let Some(c) = &self.counts {
-                let cut = c.clipped.map_or(String::new(), |n| {
-                    format!(", {n} of {} elements are cut by the border", c.primaries)
-                });
-                say(&format!(
-                    "  {} details on elements, {} background colours{cut}",
-                    c.details, c.background
-                ));
-            }
-            if let Some(why) = self.layers.as_ref().and_then(|layers| layers.why.as_ref()) {
-                let count = match self.layers.as_ref().map_or(0, |layers| layers.names.len()) {
-                    1 => "1 layer".into(),
-                    n => format!("{n} layers"),
-                };
-                say(&format!("  {count}: {why}"));
-            }
-            if let Some(lattice) = &self.lattice {
-                say(&format!("  {}", lattice_measures(lattice)));
-            }
-            let placed = match self.method {
-                Some(Method::Correspondence) => Some("carried along from the exemplar (correspondence)"),
-                Some(Method::Descriptor) => {
-                    Some("placed one by one, by what stands around them (descriptor)")
-                }
-                Some(Method::Period) => Some("placed by the period of the drawing (period)"),
-                Some(Method::Auto) | None => None,
-            };
-            if let Some(how) = placed {
-                say(&format!("  elements were {how}"));
-            }
-            if let Some(share) = self.period {
-                say(&format!("  {:.0} % of the places repeat the drawing", 100.0 * share));
-            }
-            if let Some(structure) = &self.structure {
-                say(&format!("  {}", structure_text(structure)));
-            }
-            if let (Some(overlap), Some(repetition)) = (&self.overlap, &self.repetition) {
-                say(&format!("  {}", placement_text(overlap, repetition)));
-            }
-            for (stage, spent) in &self.seconds.0 {
-                say(&format!("  {stage:16} {:8.3} s", spent.as_secs_f64()));
-            }
-            if let Some(peak) = self.peak_memory {
-                say(&format!("  {:16} {:>10}", "peak memory", bytes(peak)));
-            }
+            self.print_details();
         }
         Ok(())
+    }
+
+    /// Prints counts, measures, seconds by stage and memory.
+    fn print_details(&self) {
+        if let Some(c) = &self.counts {
+            let cut = c.clipped.map_or(String::new(), |n| {
+                format!(", {n} of {} elements are cut by the border", c.primaries)
+            });
+            say(&format!("  {} details on elements, {} background colours{cut}", c.details, c.background));
+        }
+        if let Some(why) = self.layers.as_ref().and_then(|layers| layers.why.as_ref()) {
+            let count = match self.layers.as_ref().map_or(0, |layers| layers.names.len()) {
+                1 => "1 layer".into(),
+                n => format!("{n} layers"),
+            };
+            say(&format!("  {count}: {why}"));
+        }
+        if let Some(lattice) = &self.lattice {
+            say(&format!("  {}", lattice_measures(lattice)));
+        }
+        let placed = match self.method {
+            Some(Method::Correspondence) => Some("carried along from the exemplar (correspondence)"),
+            Some(Method::Descriptor) => Some("placed one by one, by what stands around them (descriptor)"),
+            Some(Method::Period) => Some("placed by the period of the drawing (period)"),
+            Some(Method::Auto) | None => None,
+        };
+        if let Some(how) = placed {
+            say(&format!("  elements were {how}"));
+        }
+        if let Some(share) = self.period {
+            say(&format!("  {:.0} % of the places repeat the drawing", 100.0 * share));
+        }
+        if let Some(structure) = &self.structure {
+            say(&format!("  {}", structure_text(structure)));
+        }
+        if let (Some(overlap), Some(repetition)) = (&self.overlap, &self.repetition) {
+            say(&format!("  {}", placement_text(overlap, repetition)));
+        }
+        for (stage, spent) in &self.seconds.0 {
+            say(&format!("  {stage:16} {:8.3} s", spent.as_secs_f64()));
+        }
+        if let Some(peak) = self.peak_memory {
+            say(&format!("  {:16} {:>10}", "peak memory", bytes(peak)));
+        }
     }
 }
 
