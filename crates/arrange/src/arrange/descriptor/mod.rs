@@ -210,7 +210,6 @@ fn answer(
     random: &mut Stream,
 ) -> bool {
     let model = map.model();
-    let asking = *model.element(map.get(request).variant);
     let region = map.cells_of(request);
     // The place drawn, and the middle of the region: most textons fit better there.
     let Some(drawn) = random.weighted(region.iter().map(|c| f64::from(c.1))) else {
@@ -219,62 +218,14 @@ fn answer(
     };
     let mean = |k: usize| region.iter().map(|c| i64::from(c.0[k])).sum::<i64>() / region.len() as i64;
     let places = [region[drawn].0, [mean(0) as i32, mean(1) as i32]];
-    // Where libraries meet, the library of the texton is drawn by their shares.
-    let library = map.cells.region.draw_library(map.grid().point(places[1]), random);
-    let categories = &model.sources[library].categories;
-    let home = library == asking.library;
-    let covers = categories.clone().map(|c| model.wanted[c]);
-
     let strict = params.without(Ablation::Overlap);
     let scorer = Scorer::new(map, request, region.len() as u32, &params.weights, strict);
-    let mut best: Option<(f64, VariantId, [i32; 2])> = None;
-    for _ in 0..params.candidates {
-        let category = if home {
-            asking.category
-        } else {
-            let Some(drawn) = random.weighted(covers.clone()) else { break };
-            categories.start + drawn
-        };
-        let Some(element) = choice.draw(model, category, random) else { break };
-        let variant = model.draw_variant(element, random);
-        let bound = scorer.bound(variant);
-        if best.is_some_and(|b| bound <= b.0) {
-            continue;
-        }
-        let mut copy = 0.0;
-        if !params.without(Ablation::Copies) {
-            let penalty = map.cells.copy_nearness(element, places[0]);
-            copy = penalty * COPY_PENALTY * f64::from(model.shape(variant).area);
-        }
-        if best.is_some_and(|b| bound - copy <= b.0) {
-            continue;
-        }
-        for at in places {
-            let score = scorer.score(variant, at) - copy;
-            if best.is_none_or(|b| score > b.0) {
-                best = Some((score, variant, at));
-            }
-        }
-    }
-    let Some((_, variant, mut at)) = best else {
+    let Some(candidate) = best_candidate(map, &scorer, choice, request, places, params, random) else {
         map.drop_request(request);
         return false;
     };
-    let mut score = scorer.score(variant, at);
     let moves = if params.without(Ablation::Improve) { 0 } else { params.moves };
-    for _ in 0..moves {
-        let here = at;
-        for (dx, dy) in [(-1, -1), (0, -1), (1, -1), (-1, 0), (1, 0), (-1, 1), (0, 1), (1, 1)] {
-            let there = [here[0] + dx, here[1] + dy];
-            let s = scorer.score(variant, there);
-            if s > score {
-                (score, at) = (s, there);
-            }
-        }
-        if at == here {
-            break;
-        }
-    }
+    let RequestCandidate { variant, at, score } = candidate.improved(&scorer, moves);
     if score > 0.0 {
         map.place(variant, at, (score / f64::from(model.shape(variant).area)) as f32);
         choice.used(model, variant);
@@ -282,6 +233,84 @@ fn answer(
     // Answered or refused: the rest of the request is not tried again.
     map.drop_request(request);
     score > 0.0
+}
+
+/// A texton at a place where it may answer a request.
+#[derive(Clone, Copy)]
+struct RequestCandidate {
+    variant: VariantId,
+    at: [i32; 2],
+    score: f64,
+}
+
+/// The best of several textons drawn for a request, at one of two places. Copies of near textons rank lower.
+fn best_candidate(
+    map: &TargetMap<'_>,
+    scorer: &Scorer<'_, '_>,
+    choice: &MemberWeights,
+    request: RequestId,
+    places: [[i32; 2]; 2],
+    params: &SynthParams,
+    random: &mut Stream,
+) -> Option<RequestCandidate> {
+    let model = map.model();
+    let requested = *model.element(map.get(request).variant);
+    // Where libraries meet, the library of the texton is drawn by their shares.
+    let library = map.cells.region.draw_library(map.grid().point(places[1]), random);
+    let categories = &model.sources[library].categories;
+    let covers = categories.clone().map(|c| model.wanted[c]);
+    let mut best: Option<RequestCandidate> = None;
+    for _ in 0..params.candidates {
+        let category = if library == requested.library {
+            requested.category
+        } else {
+            let Some(drawn) = random.weighted(covers.clone()) else { break };
+            categories.start + drawn
+        };
+        let Some(element) = choice.draw(model, category, random) else { break };
+        let variant = model.draw_variant(element, random);
+        let bound = scorer.bound(variant);
+        if best.is_some_and(|b| bound <= b.score) {
+            continue;
+        }
+        let mut penalty = 0.0;
+        if !params.without(Ablation::Copies) {
+            let nearness = map.cells.copy_nearness(element, places[0]);
+            penalty = nearness * COPY_PENALTY * f64::from(model.shape(variant).area);
+        }
+        if best.is_some_and(|b| bound - penalty <= b.score) {
+            continue;
+        }
+        for at in places {
+            let score = scorer.score(variant, at) - penalty;
+            if best.is_none_or(|b| score > b.score) {
+                best = Some(RequestCandidate { variant, at, score });
+            }
+        }
+    }
+    best
+}
+
+impl RequestCandidate {
+    /// The candidate after moves by one cell that improve its score, which then has no penalty.
+    fn improved(self, scorer: &Scorer<'_, '_>, moves: u32) -> Self {
+        let Self { variant, mut at, .. } = self;
+        let mut score = scorer.score(variant, at);
+        for _ in 0..moves {
+            let here = at;
+            for (dx, dy) in [(-1, -1), (0, -1), (1, -1), (-1, 0), (1, 0), (-1, 1), (0, 1), (1, 1)] {
+                let there = [here[0] + dx, here[1] + dy];
+                let moved = scorer.score(variant, there);
+                if moved > score {
+                    (score, at) = (moved, there);
+                }
+            }
+            if at == here {
+                break;
+            }
+        }
+        Self { variant, at, score }
+    }
 }
 
 /// Reports the work as it goes on.
