@@ -1,16 +1,16 @@
 //! Files of the command line, and rooms of a crate, do not import one another in a circle. Between crates the
-//! compiler sees to it.
+//! compiler prevents circles.
 
 use crate::pages::{files, read, root};
 use std::collections::BTreeSet;
 use std::path::Path;
 
-/// What is imported by whom: a module, and the modules that its code names.
+/// Each module with the modules that it imports.
 type Imports = Vec<(Vec<String>, BTreeSet<Vec<String>>)>;
 
 /// The modules that import one another in a circle, or lead into one.
 fn circle(mut left: Imports) -> Vec<String> {
-    // Whatever imports nothing that is left cannot be part of a circle.
+    // Repeatedly removes modules that import none of the remaining ones: they are not part of a circle.
     loop {
         let names: BTreeSet<Vec<String>> = left.iter().map(|(own, _)| own.clone()).collect();
         let before = left.len();
@@ -33,8 +33,8 @@ fn module_path(folder: &Path, file: &Path) -> Vec<String> {
     parts.filter(|part| part != "mod").collect()
 }
 
-/// The modules that the code of module `own` names, by the path of the `top` or by `super::`; its own
-/// children by their names alone.
+/// The modules that the code of module `own` names: by a path from `top`, by `super::`, or, for its children,
+/// by name.
 fn neighbours(text: &str, own: &[String], top: &str, all: &BTreeSet<Vec<String>>) -> BTreeSet<Vec<String>> {
     let code: Vec<&str> = text.lines().filter(|line| !line.trim_start().starts_with("//")).collect();
     let code = code.join("\n");
@@ -47,7 +47,7 @@ fn neighbours(text: &str, own: &[String], top: &str, all: &BTreeSet<Vec<String>>
         found.extend(known.filter(|path| path != own));
     };
     for (at, _) in code.match_indices("::") {
-        // Only where a path begins.
+        // Only the beginnings of paths are examined.
         let start = code[..at].rfind(|c: char| !is_name(c)).map_or(0, |i| i + 1);
         if code[..start].ends_with("::") {
             continue;
@@ -97,7 +97,7 @@ fn rooms_of_a_crate_do_not_import_one_another_in_a_circle() {
     for folder in crates.map(|entry| entry.unwrap().path().join("src")) {
         let mut found = Vec::new();
         files(&folder, "rs", &mut found);
-        // A crate of one room has its files at the top.
+        // A crate of a single room has its files directly in `src`.
         let is_test = |file: &Path| file.ends_with("tests.rs") || file.ends_with("testing.rs");
         found.retain(|file| !is_test(file) && !file.ends_with("lib.rs"));
         let room = |file: &Path| module_path(&folder, file)[..1].to_vec();

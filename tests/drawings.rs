@@ -1,4 +1,4 @@
-//! Drawings as exemplars: what is read of them, what is refused, and textures made of them.
+//! Drawings as exemplars: import, refusals, and textures made of them.
 
 use std::collections::BTreeSet;
 use vtex::geometry::{Outline, parse_path};
@@ -61,7 +61,8 @@ fn a_drawing_of_many_kinds_of_shapes_is_read_and_drawn_back() {
     assert_eq!(library.source.kind, SourceKind::Drawing);
     assert!(library.arrangement.periodic, "its borders join");
     assert_eq!(library.background().fallback.0, [0xf6, 0xf2, 0xe7]);
-    // Three flowers of two shapes each, four leaves, two suns, three stems; those at borders once.
+    // Three flowers of two shapes each, four leaves, two suns, three stems; elements cut by a border are
+    // listed once.
     assert_eq!(library.primaries().len(), 12);
     assert!(library.primaries().iter().all(|p| !p.clipped));
     assert_eq!(library.primaries().iter().filter(|p| p.shapes.len() == 2).count(), 3);
@@ -83,7 +84,7 @@ fn halves_at_the_borders_become_one_element() {
     let library = of(inner);
     assert_eq!(library.primaries().len(), 3);
     assert!(library.primaries().iter().all(|p| !p.clipped && p.shapes.len() == 1));
-    // Both halves are there: the stitched element is as large as both together.
+    // The joined element has the area of both halves.
     let areas: Vec<f64> = library.primaries().iter().map(|p| p.base().outline.area()).collect();
     let scale = f64::from(library.source.width) / 100.0;
     assert!(areas.iter().any(|a| (a / scale / scale - 11.0 * 9.0).abs() < 0.5), "{areas:?}");
@@ -224,7 +225,7 @@ fn elements_keep_apart_and_their_number() {
     };
     let (a, b) = (places(&still), places(&moved));
     assert!(a.intersection(&b).count() < a.len() / 4, "most elements left their places");
-    // What is drawn covers as much: nothing touches, so nothing is hidden.
+    // The drawn coverage is the same: elements do not touch, so none is hidden.
     let drawn = |scene: &Scene| {
         let picture = png::render(scene, 1.0).unwrap();
         let ground = picture.pixels()[0];
@@ -262,7 +263,7 @@ fn a_drawing_beside_a_photograph_has_its_part_to_itself() {
         assert_eq!(element.library.index(), part, "{middle:?}");
         found[part] += 1;
     }
-    // As many as the drawing alone has on as large a canvas, and no background but its own.
+    // The drawing has as many elements as alone on a canvas of this size, and only its own background.
     let period = f64::from(libraries[1].source.width) * f64::from(libraries[1].source.height);
     let wanted = 12.0 * 600.0 * 600.0 / period;
     assert!(found[0] > 50 && (f64::from(found[1]) - wanted).abs() < 0.25 * wanted, "{found:?} {wanted}");
@@ -305,7 +306,7 @@ fn sizes_are_the_units_of_the_drawing() {
     assert!((disc.area() - 9.0 * std::f64::consts::PI).abs() < 0.1, "{}", disc.area());
     let scene = texture(&library, SynthParams { width: 60, height: 48, ..SynthParams::default() });
     assert!(scene.count() >= 9, "{}", scene.count());
-    // Nothing of it is lost in a file, and a page of next to nothing is read as a larger one.
+    // The library is unchanged after writing and reading, and a tiny page is read as a larger one.
     assert_eq!(Library::from_bytes(library.to_json(), "again").unwrap(), library);
     let tiny = String::from_utf8(svg(r##"<circle cx=".5" cy=".4" r=".2"/>"##)).unwrap();
     let library = read(tiny.replace("0 0 100 80", "0 0 1 .8").as_bytes()).unwrap();
@@ -338,7 +339,7 @@ fn the_import_of_a_drawing_stops_within_a_few_shapes() {
     };
     let (made, all) = import(1_000_000);
     assert!(made.is_ok());
-    // Read, taken apart, drawn, painted and measured: each shape is asked for.
+    // Import reports at least four times for each shape.
     assert!(all > 4 * 300, "{all}");
     for reports in (0..all).step_by(97) {
         assert!(matches!(import(reports).0, Err(vtex::Error::Interrupted)), "{reports} of {all}");

@@ -1,10 +1,10 @@
-//! Loading photographs of every kind: right pixels, or an answer that says what is wrong.
+//! Loading of photographs: the right pixels, or an error that describes the fault.
 
 use image::{DynamicImage, ImageFormat, Luma, Rgb, RgbImage, Rgba, RgbaImage};
 use vtex::Error;
 use vtex::analyze::{Exemplar, Limits};
 
-/// Two halves that any conversion keeps apart, 40 × 32.
+/// A picture of 40 × 32 pixels whose halves stay distinct under any conversion.
 fn halves() -> RgbImage {
     RgbImage::from_fn(40, 32, |x, _| Rgb(if x < 20 { [200, 40, 30] } else { [30, 60, 190] }))
 }
@@ -37,7 +37,7 @@ fn lossless_formats_keep_every_pixel() {
         assert_eq!(exemplar.image, halves(), "{format:?}");
         assert!(exemplar.warnings.is_empty());
     }
-    // The sum is that of the file, whatever tool computes it.
+    // The checksum is that of the file, as other tools compute it.
     let empty_sum = load(b"").unwrap_err();
     assert!(matches!(empty_sum, Error::Decode { .. }));
     let png = encode(halves(), ImageFormat::Png);
@@ -66,7 +66,7 @@ fn jpeg_in_rgb_cmyk_and_turned_by_exif() {
     assert_red_and_blue(&plain.image, (8, 16), (32, 16), 12);
     let cmyk = load(include_bytes!("data/cmyk.jpg")).unwrap();
     assert_red_and_blue(&cmyk.image, (8, 16), (32, 16), 25);
-    // Orientation 6: what is stored left is shown on top.
+    // Orientation 6: the left side of the stored picture is displayed on top.
     let turned = load(include_bytes!("data/turned.jpg")).unwrap();
     assert_eq!(turned.image.dimensions(), (32, 40));
     assert_red_and_blue(&turned.image, (16, 8), (16, 32), 12);
@@ -161,7 +161,7 @@ fn a_thumbnail_does_not_hide_that_a_jpeg_is_cut_short() {
     assert!(error.to_string().contains("ends in the middle"), "{error}");
 }
 
-/// The start of a PNG that says it has some size; nothing follows.
+/// The header of a PNG of the given size, without image data.
 fn png_header(width: u32, height: u32) -> Vec<u8> {
     let mut chunk = b"IHDR".to_vec();
     chunk.extend(width.to_be_bytes());
@@ -187,12 +187,12 @@ fn bombs_are_refused_before_they_are_decoded() {
         let error = load(&png_header(w, h)).unwrap_err();
         assert!(matches!(error, Error::TooLarge { .. } | Error::Decode { .. }), "{error}");
     }
-    // A set limit of memory counts, too: 2000² pixels of 8 bytes are 31 MiB and more.
+    // A limit of memory also applies: 2000² pixels of 8 bytes exceed 30 MiB.
     let limits = Limits { memory: 30 << 20, ..Limits::default() };
     let error = Exemplar::from_bytes(&png_header(2000, 2000), "photo", &limits).unwrap_err();
     assert!(matches!(&error, Error::TooLarge { .. }), "{error}");
     assert!(error.to_string().contains("the limit is 30 MiB of memory"), "{error}");
-    // The largest image that is allowed fails for what it is: cut short.
+    // The largest permitted image fails because its data are missing, not because of its size.
     let limits = Limits::default();
     let needed = 16_384 * 16_384 * (8 + 3);
     assert!(needed <= limits.memory);

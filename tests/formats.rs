@@ -1,4 +1,4 @@
-//! All files of one scene show the same picture, and a reader of the SVG finds what it is made of.
+//! All files of one scene show the same picture, and the elements of the scene can be identified in the SVG.
 
 use roxmltree::{Document, Node};
 use std::collections::BTreeSet;
@@ -68,7 +68,7 @@ fn mean(a: &Rgb, b: &Rgb) -> f64 {
     sum as f64 / a.data.len() as f64
 }
 
-/// The page as poppler draws it, `resolution` pixels to the inch; none without poppler.
+/// The page as poppler draws it at `resolution` pixels per inch; `None` without poppler.
 fn by_poppler(scene: &Scene, resolution: u32) -> Option<Rgb> {
     let folder = tempfile::tempdir().unwrap();
     let page = folder.path().join("page.pdf");
@@ -134,8 +134,8 @@ fn all_formats_agree() {
             let found = mean(&picture, &drawn(&bytes));
             assert!(found <= 1.0, "{name}: {found}");
         }
-        // Enlarged, as poppler draws edges by its own rule: it fills every sixteenth of a pixel that a
-        // shape touches, and then makes thin what is partly filled.
+        // Pictures are enlarged, because poppler draws edges differently: it fills every sixteenth of a pixel
+        // that a shape touches, and then thins partly filled pixels.
         if let Some(page) = by_poppler(scene, 96 * 4) {
             let found = mean(&on_white(&png::render(scene, 4.0).unwrap()), &page);
             // Poppler and MuPDF round down what they blend by each soft mask: they are darker by two to
@@ -204,7 +204,7 @@ fn origin(node: Node<'_, '_>) -> (u32, u32) {
     match (said("data-source"), name) {
         (Some(source), _) => (source, said("data-library").unwrap_or(1) - 1),
         (None, Some(name)) => {
-            // Of several parts of one texton the later ones have their number after a point.
+            // Later parts of a texton have a number after a point.
             let name = name.split('.').next().unwrap();
             let (source, library) = name[1..].split_once('-').unwrap_or((&name[1..], "1"));
             (number(source), number(library) - 1)
@@ -243,7 +243,7 @@ fn a_reader_finds_category_source_and_order_of_every_texton() {
         };
         let textons = |i: &Instance| scene.element(i);
 
-        // What has no id is a copy.
+        // Elements without an id are copies.
         let primaries = layer("primary").children().filter(|n| n.has_attribute("id"));
         let primaries: Vec<Node<'_, '_>> = primaries.collect();
         assert_eq!(primaries.len(), scene.individuals().count());
@@ -258,7 +258,7 @@ fn a_reader_finds_category_source_and_order_of_every_texton() {
             assert_eq!(node.attribute("class"), Some(&format!("category-{category}{several}")[..]));
             check(node, textons(instance));
         }
-        // Secondaries have one element each; that of a copy follows its original.
+        // Each secondary is one element; the element of a copy follows that of the original.
         let layer = layer("secondary");
         let mut elements =
             layer.descendants().filter(|n| ["use", "path", "circle"].contains(&n.tag_name().name()));
@@ -271,7 +271,7 @@ fn a_reader_finds_category_source_and_order_of_every_texton() {
                 let spot = textons(instance).spot(instance.colour);
                 assert_eq!(node.tag_name().name() == "circle", spot.is_some());
                 match spot {
-                    // Of a spot its brush is told.
+                    // A spot is identified by its brush.
                     Some((_, colour)) => assert_eq!(brush(node), colour.to_string()),
                     None => check(node, textons(instance)),
                 }

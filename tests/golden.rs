@@ -61,8 +61,8 @@ fn compare(name: &str, picture: &RgbImage) -> Result<(), String> {
     Err(format!("{name}: mean {mean:.3}, share {far:.5}; the pictures are in {}", left.display()))
 }
 
-/// What the commands of the list start from: photographs, maps and shapes, a library and a scene of each
-/// photograph, and a library with layers.
+/// The inputs of the commands: photographs, maps and shapes, a library and a scene of each photograph, and a
+/// library with layers.
 fn folder() -> Folder {
     let folder = Folder::new();
     for (name, kind) in [("pebbles", SceneKind::Pebbles), ("flowers", SceneKind::Flowers)] {
@@ -89,7 +89,7 @@ fn folder() -> Folder {
     folder
 }
 
-/// The hash of what a command writes.
+/// The hash of a command's result.
 fn hash(folder: &Folder, command: &str) -> String {
     let named = command.split(" -o ").nth(1).and_then(|rest| rest.split_whitespace().next());
     let to = if named.is_none() { " -o -" } else { "" };

@@ -61,7 +61,7 @@ fn small_scene(library: &Library) -> vtex::Result<Scene> {
 fn use_library(bytes: &[u8]) {
     let Ok(library) = Library::from_bytes(bytes, "damaged") else { return };
     assert_eq!(Library::from_bytes(library.to_json(), "again").unwrap().to_json(), library.to_json());
-    // A size that was changed can be anything up to the largest; only small ones are worked with.
+    // A changed size may be very large; only small canvases are used.
     if u64::from(library.source.width) * u64::from(library.source.height) <= 1 << 16 {
         use_made(&reconstruct(&library));
         if let Ok(scene) = small_scene(&library) {
@@ -132,7 +132,7 @@ fn use_picture(bytes: &[u8]) {
     }
 }
 
-/// One thing done to bytes: where (as a share of the length), and what.
+/// A change of bytes: its place, as a share of the length, and its kind.
 #[derive(Clone, Debug)]
 enum Damage {
     Set(f64, u8),
@@ -175,7 +175,7 @@ fn damaged(bytes: &[u8], list: &[Damage]) -> Vec<u8> {
     bytes
 }
 
-/// What may stand in place of any value of a document.
+/// Replacements for the values of a document.
 fn replacement() -> impl Strategy<Value = Value> {
     let numbers = [0.0, -1.0, 0.5, 1e-300, 1e300, -1e18, 255.0, 256.0, 65536.0, 4294967295.0, 4294967296.0];
     prop_oneof![
@@ -230,7 +230,7 @@ fn changes() -> impl Strategy<Value = Vec<(Vec<f64>, Value)>> {
 }
 
 proptest! {
-    // Other ones in each run; the fuzz targets make millions.
+    // The cases differ in each run; fuzz targets run millions.
     #![proptest_config(ProptestConfig { cases: 100, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
@@ -286,7 +286,7 @@ fn every_field_of_a_document_is_checked_or_harmless() {
         let document: Value = serde_json::from_slice(bytes).unwrap();
         let mut all = Vec::new();
         places(&document, "", &mut all);
-        // Of long lists the first entries stand for all.
+        // Only the first entries of long lists are replaced.
         all.retain(|at| {
             at.split('/').all(|part| part.parse::<u32>().is_ok_and(|i| i < 2) || part.parse::<u32>().is_err())
         });
@@ -303,7 +303,7 @@ fn every_field_of_a_document_is_checked_or_harmless() {
 
 #[test]
 fn pictures_that_unpack_to_too_much_are_refused() {
-    // A PNG of a few bytes that says it has 65535 × 65535 pixels.
+    // A PNG of a few bytes whose header states 65535 × 65535 pixels.
     let mut bomb = Vec::new();
     let encoder = ::png::Encoder::new(&mut bomb, 65_535, 65_535);
     let mut writer = encoder.write_header().unwrap();

@@ -1,5 +1,5 @@
-//! Properties of the whole, in one program: every test program would link all of vtex anew. Run a part of
-//! them by the name of its file, as in `cargo test --test all golden::`.
+//! Tests of the whole, in one program, because every test program links all of vtex. A part of them is run by
+//! the name of its file, as in `cargo test --test all golden::`.
 
 mod circles;
 mod cli;

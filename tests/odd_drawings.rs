@@ -121,7 +121,7 @@ fn pictures_count_where_they_are_shown() {
 
 #[test]
 fn what_is_left_out_is_not_looked_at() {
-    // Without the blurred bar, which lies at one border, the borders join.
+    // The borders join because the blurred bar at one border is left out.
     let discs = many(12, |k| {
         format!(r##"<circle cx="{}" cy="{}" r="5" fill="#b42"/>"##, 14 + k % 4 * 24, 15 + k / 4 * 25)
     });
@@ -141,7 +141,7 @@ fn what_is_left_out_is_not_looked_at() {
 
 #[test]
 fn shapes_that_always_come_together_are_one_element() {
-    // On a line that joins them all.
+    // All mushrooms stand on one line that touches them.
     let mushroom = |x: usize| {
         format!(
             r##"<path d="M{x} 50v10h4v-10z" fill="#ddd"/><path d="M{} 50c0-8 12-8 12 0z" fill="#b33"/>"##,
@@ -157,7 +157,7 @@ fn shapes_that_always_come_together_are_one_element() {
         shapes
     };
     assert_eq!(count(&format!("{line}{all}")), [1, 2, 2, 2, 2]);
-    // Caps that lie otherwise each time stay what they are.
+    // Caps at differing relative places remain separate elements.
     let loose: String = [(12, 0), (31, 1), (55, 2), (78, 3)]
         .map(|(x, off)| mushroom(x).replace(&format!("M{} 50c", x - 4), &format!("M{} 50c", x - 4 + off)))
         .concat();
@@ -174,7 +174,7 @@ fn texts_that_are_left_out_are_named() {
 fn instances_keep_the_transform_that_their_library_gives() {
     let params = ImportParams::default();
     let mut library = import(GARDEN, "garden.svg", &params, &()).unwrap();
-    // Squeezed, which no import makes: still valid.
+    // Elements squeezed along one axis, which import never makes, are valid.
     for layer in &mut library.layers {
         layer.instances.iter_mut().for_each(|i| i.transform = [1.0, 0.0, 0.0, 0.5, 0.0, 0.0]);
     }

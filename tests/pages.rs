@@ -1,4 +1,4 @@
-//! What the pages name exists: paths in the repository, and in ARCHITECTURE.md items of the code.
+//! Paths in the pages exist, and so do the items of the code that ARCHITECTURE.md names.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -49,8 +49,8 @@ fn quoted(page: &str) -> Vec<&str> {
     found
 }
 
-/// Whether a text is meant as a path in the repository: it begins with one of its folders, or ends as source
-/// files and pages do.
+/// Whether a text is a path in the repository: it begins with one of its folders, or has the extension of a
+/// source file or page.
 fn is_path(text: &str) -> bool {
     if text.contains(|c: char| c.is_whitespace() || "*<>$".contains(c)) {
         return false;
@@ -68,7 +68,7 @@ fn missing_paths(page: &str) -> Vec<&str> {
     missing
 }
 
-/// Whether a text is meant as Rust: `Type`, `Type::method`, `module::function` or `function()`.
+/// Whether a text is Rust: `Type`, `Type::method`, `module::function` or `function()`.
 fn is_rust(text: &str) -> bool {
     let known = |c: char| c.is_alphanumeric() || "_:()<>".contains(c);
     let named = text.starts_with(|c: char| c.is_uppercase()) && text.contains(|c: char| c.is_lowercase());

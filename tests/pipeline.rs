@@ -59,7 +59,7 @@ fn png_of(scene: &Scene) -> Vec<u8> {
     bytes
 }
 
-/// Everything that the path can write, for one exemplar.
+/// All files that the stages write for one exemplar.
 fn all_files(name: &str) -> [Vec<u8>; 4] {
     let library = library(&exemplar(name));
     let scene = scene(&library);
@@ -117,8 +117,8 @@ fn another_seed_gives_another_texture() {
     assert_ne!(with(1), with(2));
 }
 
-/// The library drawn back is the photograph: the same size, the same primaries over the same share,
-/// and colours much nearer to it than one mean colour would be.
+/// The reconstruction resembles the photograph: it has the same size, the same primaries and coverage, and
+/// colours much nearer to it than its mean colour.
 fn check_reconstruction(image: &RgbImage, name: &str) {
     let library = library(&load(image, name).unwrap());
     let scene = reconstruct(&library);
@@ -186,7 +186,7 @@ fn a_photograph_without_textons_still_gives_its_ground() {
     assert!(!library.background().points.is_empty());
     let scene = scene(&library);
     let drawn = png::render(&scene, 1.0).unwrap();
-    // The colours are those of the slope.
+    // Colours lie within the range of the gradient.
     let inside =
         |c: usize, low: u8, high: u8| drawn.data().chunks_exact(4).all(|p| (low..=high).contains(&p[c]));
     assert!(inside(0, 50, 160) && inside(1, 80, 160) && inside(2, 100, 125));

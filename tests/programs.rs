@@ -1,8 +1,8 @@
 //! The programs that people open an SVG in draw what vtex draws.
 //!
-//! Each program that is installed draws each kind of file, and its picture is compared with that of
-//! vtex. What is not installed is skipped, and said so. It is run by hand, because it starts other
-//! programs: `cargo test --test all programs:: -- --ignored --nocapture` prints the table of
+//! Each installed program draws each kind of file, and its picture is compared with that of vtex. Programs
+//! that are not installed are skipped with a note. The test is run by hand, because it starts other programs:
+//! `cargo test --test all programs:: -- --ignored --nocapture` prints the table of
 //! `docs/measurements/vectors.md`.
 
 use std::path::{Path, PathBuf};
@@ -20,9 +20,10 @@ use vtex::synth::synthesize;
 
 /// Largest mean difference, in 8-bit steps.
 const MOST: f64 = 1.0;
-/// The same of a scene full of shadows: browsers round each of their layers down to whole steps.
+/// Largest mean difference of a scene with many shadows: browsers round each of their layers down to whole
+/// steps.
 const MOST_OF_SHADOWS: f64 = 1.5;
-/// The same of a drawing of nothing but hairlines, whose original programs draw as differently.
+/// Largest mean difference of a drawing of hairlines only, whose original differs as much between programs.
 const MOST_OF_HAIRLINES: f64 = 2.2;
 
 /// A program that draws an SVG to a PNG.
@@ -46,7 +47,7 @@ impl Program {
         }
     }
 
-    /// Where it is on the search path.
+    /// Its path, found on the search path.
     fn find(self) -> Option<PathBuf> {
         let folders: Vec<PathBuf> = std::env::split_paths(&std::env::var_os("PATH")?).collect();
         folders.iter().map(|folder| folder.join(self.name())).find(|file| file.is_file())

@@ -26,7 +26,7 @@ fn pages() -> Vec<(PathBuf, String)> {
     pages.into_iter().map(|page| (page.clone(), std::fs::read_to_string(page).unwrap())).collect()
 }
 
-/// What stands before the name of a result.
+/// Options that precede the name of a result.
 const RESULTS: [&str; 8] =
     ["-o", ">", "--save-masks", "--save-layers", "--pattern", "--debug-dir", "--out-dir", "man"];
 
@@ -52,7 +52,7 @@ fn results(line: &str) -> Vec<String> {
     results
 }
 
-/// Runs a command and checks that it makes what it names.
+/// Runs a command and checks that its results exist.
 fn run_line(folder: &Path, line: &str) {
     let program = Path::new(env!("CARGO_BIN_EXE_vtex")).parent().unwrap();
     let path = format!("{}:{}", program.display(), std::env::var("PATH").unwrap());
@@ -95,7 +95,7 @@ fn prepare(folder: &Path, pages: &[(PathBuf, String)]) {
     std::fs::write(folder.join("jobs.toml"), jobs).unwrap();
 }
 
-/// Runs a block in a folder of its own. What earlier blocks make for it is made once for all.
+/// Runs a block in its own folder. Files of earlier blocks that it needs are made once for all blocks.
 fn run(name: &str) {
     static IS_PREPARED: Mutex<bool> = Mutex::new(false);
     let made = Path::new(env!("CARGO_TARGET_TMPDIR")).join("pages");

@@ -1,5 +1,5 @@
-//! The JSON Schemas of `schema/` are those of the types, and what is written follows them.
-//! `VTEX_BLESS=1 cargo test --test all schema::` writes them anew.
+//! The JSON Schemas of `schema/` are those of the types, and written files follow them. `VTEX_BLESS=1 cargo
+//! test --test all schema::` writes them anew.
 
 use schemars::{Schema, schema_for};
 use serde_json::{Value, json};
@@ -26,7 +26,7 @@ fn published(schema: Schema, format: &str, version: u32) -> Value {
     let mut value = schema.to_value();
     value["properties"]["format"]["const"] = json!(format);
     value["properties"]["version"]["const"] = json!(version);
-    // Files have it, documents in memory do not.
+    // Files have this field, documents in memory do not.
     value["properties"]["sha256"] = json!({
         "description": "SHA-256 of the file's bytes before this field, in hexadecimal. A file is replaced \
                         without asking only while it is right.",
@@ -131,7 +131,7 @@ fn check(value: &Value, schema: &Value, root: &Value, at: &str) -> Result<(), St
     Ok(())
 }
 
-/// What a string holds in base64.
+/// The bytes that a string holds in base64.
 fn decoded(value: &Value) -> Option<Vec<u8>> {
     use base64::Engine as _;
     base64::engine::general_purpose::STANDARD.decode(value.as_str()?).ok()
@@ -172,7 +172,7 @@ fn objects(value: &Value, at: &str, found: &mut Vec<String>) {
             fields.iter().for_each(|(key, inner)| objects(inner, &format!("{at}/{key}"), found));
         }
         Value::Array(items) => {
-            // All items of a list are alike.
+            // The first item of a list stands for all.
             items.iter().take(1).for_each(|inner| objects(inner, &format!("{at}/0"), found));
         }
         _ => {}
@@ -200,7 +200,7 @@ fn unknown_and_missing_fields_break_the_schema_as_they_break_reading() {
             assert!(check(&wrong, &schema, &schema, "$").is_err(), "{place}");
             assert!(!reads(&wrong), "{place}");
         }
-        // What may be missing.
+        // Fields that may be missing.
         let optional = ["parameters", "guide"];
         for field in value.as_object().unwrap().keys().filter(|key| !optional.contains(&key.as_str())) {
             let mut wrong = value.clone();

@@ -1,4 +1,4 @@
-//! A texture made to tile shows no seam where copies of it meet.
+//! A texture that tiles shows no seam between its copies.
 
 use std::sync::OnceLock;
 use tiny_skia::Pixmap;
@@ -11,7 +11,7 @@ use vtex::synth::synthesize;
 const WIDTH: u32 = 240;
 const HEIGHT: u32 = 200;
 
-/// Of the middle of a self-made exemplar.
+/// The library of the middle of a generated exemplar.
 fn library() -> &'static Library {
     static LIBRARY: OnceLock<Library> = OnceLock::new();
     LIBRARY.get_or_init(|| crate::support::library("pebbles"))
@@ -32,7 +32,7 @@ fn svg_of(scene: &Scene) -> Vec<u8> {
     bytes
 }
 
-/// The scene with everything moved, and what then lies beyond an edge that joins moved back.
+/// The scene with everything shifted and, along axes that tile, wrapped onto the canvas.
 fn moved(mut scene: Scene, by: Vec2) -> Scene {
     let tile = scene.tile;
     let along = |v: f64, d: f64, size: u32, repeats: bool| {
@@ -52,8 +52,8 @@ fn moved(mut scene: Scene, by: Vec2) -> Scene {
     scene
 }
 
-/// Mean and largest difference, in 8-bit steps, of copies of a tile laid side by side and begun at
-/// a place, from another picture.
+/// Mean and largest difference, in 8-bit steps, between adjacent copies of a tile, from the place `at` on,
+/// and another picture.
 fn difference(tile: &Pixmap, whole: &Pixmap, at: Vec2) -> (f64, u8) {
     let (mut sum, mut most) = (0.0, 0);
     for y in 0..whole.height() {
@@ -100,7 +100,7 @@ fn no_seams(library: &Library, layers: usize) {
     }
 }
 
-/// Textons cross the edges, so that the test above has something to find.
+/// Textons cross the edges, so the test above can fail.
 #[test]
 fn textons_cross_every_edge_that_joins() {
     let scene = texture(Tile { x: true, y: true });

@@ -1,4 +1,4 @@
-//! What is drawn of a photograph, and what it costs: reconstructions of an exemplar.
+//! Accuracy and size of reconstructions of an exemplar.
 
 use std::collections::BTreeSet;
 use std::io;

@@ -1,4 +1,4 @@
-//! Files of older versions are read and give the pictures they gave. The files in `tests/versions` were
+//! Files of older versions are read and give the same pictures as before. The files in `tests/versions` were
 //! written by vtex 0.1 when the formats had version 1.
 
 use std::path::{Path, PathBuf};
@@ -32,7 +32,7 @@ fn a_library_of_version_1_gives_its_picture() {
     let params = SynthParams { width: 120, height: 90, seed: 3, tile, ..SynthParams::default() };
     let scene = synthesize(&library, &params, &()).unwrap();
     assert!(difference(&scene, "synthesised.png") < 0.05);
-    // What is written is of this version, and the same.
+    // The library is unchanged after writing in the present version.
     let again = Library::from_bytes(library.to_json(), "again").unwrap();
     assert_eq!(again, library);
 }
@@ -57,7 +57,7 @@ fn scene_and_library_of_version_1_fit_together() {
     let bend = Bend::scale(&scene, [1.5, 1.2]).unwrap();
     let (wider, report) = warp(&scene, vec![library], &bend, WarpParams::default(), &()).unwrap();
     assert!(report.primaries > 0 && wider.of_role(Role::Secondary).count() > 0);
-    // Small elements, whose sources version 1 did not name, come along.
+    // Small elements, whose sources version 1 does not name, are kept.
     let known = |i: &vtex::scene::Instance| scene.of_role(Role::Secondary).any(|old| old.id == i.id);
     assert!(wider.of_role(Role::Secondary).filter(|i| known(i)).count() > 20);
 }

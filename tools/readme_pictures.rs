@@ -25,7 +25,7 @@ use vtex::synth::{reconstruct, synthesize};
 use vtex::transfer::{StylizeParams, TransferParams, stylize, transfer};
 use vtex_testing::{self, SceneKind, SceneParams};
 
-/// White between the parts of a picture, in pixels.
+/// Width of the white space between the parts of a picture, in pixels.
 const GAP: u32 = 8;
 /// Side of a picture of a whole texture, in pixels: large enough to judge it.
 const SIDE: u32 = 300;
@@ -75,7 +75,7 @@ fn gallery(kinds: &[SceneKind], path: &Path) -> Outcome {
     save(&grid(&parts, 4), path)
 }
 
-/// A crowded exemplar, the texture made from it, and the one made with the true masks.
+/// A crowded exemplar, its texture, and the texture made with the true masks.
 fn fails(path: &Path) -> Outcome {
     let params = SceneParams { kind: SceneKind::Litter, ..SceneParams::random(3, 512, 512) };
     let (truth, exemplar) = generated(&params)?;
@@ -93,8 +93,8 @@ fn fails(path: &Path) -> Outcome {
     save(&grid(&parts.iter().map(side).collect::<Vec<_>>(), 3), path)
 }
 
-/// Two textures, the arrangement of the first with the appearance of the second, and the second that turns into
-/// the first towards the middle.
+/// Two textures, the arrangement of the first with the appearance of the second, and a scene that changes
+/// from the second at its sides to the first in the middle.
 fn composing(path: &Path) -> Outcome {
     let pebbles = scene(&library(&open("pebbles")?, &())?, 500, 500, &())?;
     let leaves = library(&open("leaves")?, &())?;

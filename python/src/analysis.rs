@@ -26,7 +26,7 @@ struct AnalysisOptions {
     networks: Vec<PathBuf>,
     engine: Engine,
     onnxruntime: Option<PathBuf>,
-    /// Whether the exemplar tiles; to be found out if it is not given.
+    /// Whether the exemplar tiles; if it is not given, borders are tested.
     wrap: Option<bool>,
     parameters: AnalyzeParams,
 }
@@ -65,7 +65,7 @@ impl AnalysisOptions {
             Engine::OnnxRuntime => Runtime::OnnxRuntime,
             Engine::Rten => Runtime::Rten,
         };
-        // With a number, networks have threads of their own, which end with them.
+        // If a number of threads is given, networks have their own threads, which end with them.
         let threads = Some(crate::run::threads());
         let engine = EngineOptions { runtime, library: self.onnxruntime.clone(), threads };
         let sam = || -> Result<Box<dyn Segmenter>> {

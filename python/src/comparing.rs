@@ -13,7 +13,7 @@ use vtex::output::{png, raster_svg};
 use vtex::synth::reconstruct;
 use vtex::{Progress, Result, library, metrics, scene};
 
-/// An object that can be displayed.
+/// An object that can be drawn as a picture.
 pub(crate) enum Viewed {
     Picture(PictureInput),
     Scene(Arc<scene::Scene>),
@@ -35,7 +35,7 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Viewed {
 }
 
 impl Viewed {
-    /// A picture of it, over white, a pixel for a pixel of the canvas.
+    /// Its picture over white, with one pixel per pixel of the canvas.
     ///
     /// # Errors
     /// Those of decoding and drawing.

@@ -1,4 +1,4 @@
-//! Scenes → scene: bent to another shape, between two, with the appearance of others; and pictures redrawn.
+//! Warps, interpolation and transfer of scenes, and redrawing of pictures.
 
 use crate::library::Library;
 use crate::pictures::{Named, PictureInput};
@@ -104,7 +104,7 @@ struct TransferOptions {
     seed: u64,
 }
 
-/// The arrangement of one scene with the appearance of others; `maps` say where which is used.
+/// The arrangement of one scene with the appearance of others; `maps` give the share of each.
 #[pyfunction]
 pub(crate) fn transfer(
     py: Python<'_>,

@@ -19,7 +19,7 @@ pub(crate) enum PictureInput {
 }
 
 impl PictureInput {
-    /// The photograph that it is.
+    /// Converts it to an exemplar.
     ///
     /// # Errors
     /// Those of decoding.

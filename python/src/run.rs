@@ -1,8 +1,8 @@
 //! Work away from the interpreter: detached from its lock, on threads of its own, with progress, warnings
 //! and signals carried between the two.
 //!
-//! The calling thread waits for news of the work: it calls the progress function, and looks for signals
-//! every 20 ms. So exceptions and Ctrl-C arrive where they belong.
+//! The calling thread waits for news of the work: it calls the progress function, and looks for signals every
+//! 20 ms. So exceptions and Ctrl-C arrive in that thread.
 //!
 //! Every call has its own threads, which end with it. So a process may fork between calls, calls from
 //! several threads do not wait for one another, and nothing runs at exit.
@@ -16,7 +16,7 @@ use std::thread::available_parallelism;
 use std::time::Duration;
 use vtex::Progress;
 
-/// How often signals are looked for.
+/// Interval between checks for signals.
 const POLL: Duration = Duration::from_millis(20);
 /// Stack of a thread: as much as a program's first thread has.
 const STACK: usize = 8 << 20;
@@ -53,18 +53,18 @@ enum News {
     Warning(String),
 }
 
-/// Tells the interpreter's side what happens, and hears from it when to stop.
+/// Sends news of the work to the interpreter's thread, which may request a stop.
 struct Listener<'a> {
     news: Sender<News>,
     stop: &'a AtomicBool,
-    /// Whether anyone looks at steps.
+    /// Whether steps are reported.
     watched: bool,
 }
 
 impl Progress for Listener<'_> {
     fn advance(&self, stage: &'static str, done: u64, total: u64) -> bool {
         if self.watched {
-            // Without a receiver nobody wants to know.
+            // Without a receiver, news is discarded.
             let _ = self.news.send(News::Advance(stage, done, total));
         }
         !self.stop.load(Ordering::Relaxed)
@@ -75,8 +75,8 @@ impl Progress for Listener<'_> {
     }
 }
 
-/// Does work detached from the interpreter. `progress` is called with stage, steps done and steps in all
-/// in the caller's thread; what it raises, and what a signal's handler raises, stops the work and is
+/// Runs work detached from the interpreter. `progress` is called in the caller's thread with the stage, the
+/// steps done and the number of steps. Exceptions of `progress` and of signal handlers stop the work and are
 /// raised here.
 pub(crate) fn run<T: Send>(
     py: Python<'_>,
@@ -102,7 +102,7 @@ pub(crate) fn run<T: Send>(
                             continue;
                         }
                         Ok(News::Advance(stage, done, total)) => match &progress {
-                            // What comes after the end of interest is not told.
+                            // After a stop, news is discarded.
                             Some(progress) if !stop.load(Ordering::Relaxed) => {
                                 Python::attach(|py| tell(py, progress, stage, done, total))
                             }
@@ -139,7 +139,7 @@ pub(crate) fn run<T: Send>(
 /// Calls the progress function; `false` if it asks to stop.
 fn tell(py: Python<'_>, progress: &Py<PyAny>, stage: &str, done: u64, total: u64) -> PyResult<bool> {
     let answer = progress.bind(py).call1((stage, done, total))?;
-    // Nothing, as of a function without `return`, means to go on.
+    // `None`, the result of a function without `return`, means to continue.
     py.check_signals()?;
     if answer.is_none() { Ok(true) } else { answer.is_truthy() }
 }

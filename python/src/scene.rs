@@ -72,11 +72,12 @@ impl Scene {
             let values = if alpha { png::straight(&pixmap, 4) } else { png::over_white(&pixmap).into_raw() };
             Ok((values, width, height))
         })?;
-        // The array takes the pixels over.
+        // The array takes ownership of the pixels.
         PyArray1::from_vec(py, values).reshape([height, width, if alpha { 4 } else { 3 }])
     }
 
-    /// Operations done one after the other; the scene, and for each how many elements it was for.
+    /// Applies operations one after the other. Returns the scene and, for each operation, the number of
+    /// elements that it applied to.
     fn edit(
         &self,
         py: Python<'_>,
@@ -175,7 +176,7 @@ impl Scene {
     }
 }
 
-/// What a file's name asks for.
+/// The kind of file for a name.
 fn kind(py: Python<'_>, path: &Path) -> PyResult<FileKind> {
     let kind = FileKind::from_path(path).filter(|kind| kind.format != Format::Library);
     kind.ok_or_else(|| {

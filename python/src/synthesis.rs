@@ -26,8 +26,7 @@ struct SteeringFiles {
 impl SteeringFiles {
     /// The content of the files.
     ///
-    /// # Errors
-    /// That of a file which cannot be used so.
+    /// # Errors Errors of files that do not suit their use.
     fn controls(&self, canvas: [u32; 2], libraries: &[library::Library]) -> Result<Controls> {
         let domain = self.domain.as_ref().map(|(name, bytes)| match is_drawing(bytes) {
             true => control::shape(bytes, name, canvas),
@@ -49,7 +48,7 @@ impl SteeringFiles {
     }
 }
 
-/// Synthesises a texture. Without `size` the canvas is that which suits the libraries.
+/// Synthesises a texture. Without `size`, the canvas is [`default_size`] of the libraries.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "called by keyword from Python, in one place")]
 pub(crate) fn synthesize(

@@ -1,4 +1,4 @@
-//! Scenes and libraries as bytes and files, the same that the program writes.
+//! Scenes and libraries as bytes and files, equal to those of the program.
 
 use crate::errors;
 use pyo3::prelude::*;
@@ -35,8 +35,7 @@ fn in_memory(error: io::Error) -> Error {
 impl WritingOptions {
     /// The scene with the background asked for.
     ///
-    /// # Errors
-    /// [`Error::Parameter`] for what is no colour.
+    /// # Errors [`Error::Parameter`] for text that is not a colour.
     pub(crate) fn scene<'s>(&self, scene: &'s Scene) -> Result<Cow<'s, Scene>> {
         let Some(background) = &self.background else { return Ok(Cow::Borrowed(scene)) };
         let colour = match background.as_str() {
@@ -153,8 +152,7 @@ pub(crate) fn save_document(path: &Path, force: bool, pack: bool, json: &[u8]) -
 
 /// A document packed as gzip, without a seal.
 ///
-/// # Errors
-/// None that can be expected: memory is written to.
+/// # Errors None in practice, because the output is in memory.
 pub(crate) fn gzipped(json: &[u8]) -> Result<Vec<u8>> {
     let mut out = gzip(Vec::new());
     out.write_all(json).map_err(in_memory)?;

@@ -9,7 +9,7 @@ use super::input::{self, Input, note_read};
 use super::layer_maps;
 use super::models::{ModelFolder, sums_of_network};
 use super::options::engine::{EngineArgs, engine};
-use super::options::files::{ForceArgs, apart, outputs};
+use super::options::files::{ForceArgs, check_distinct, outputs};
 use super::options::layers::{LayerFiles, LayerFilesArgs};
 use super::options::masks::{MasksArgs, MasksFrom, SamFrom, masks_from};
 use super::output::{Destination, Target, say};
@@ -46,7 +46,7 @@ pub(crate) struct Analysis {
 }
 
 impl Analysis {
-    /// Fails now if masks or layers could not be saved later.
+    /// Fails early if masks or layers could not be saved later.
     ///
     /// # Errors
     /// As [`Destination::probe`].
@@ -74,14 +74,14 @@ impl Analysis {
         written.push(("--save-masks", masks.save_masks.as_deref()));
         written.push(layers.written());
         for read in [("the photograph", input_path), ("--masks", masks.masks.as_deref()), layers.read()] {
-            apart(&[&[read], &written[..]].concat())?;
+            check_distinct(&[&[read], &written[..]].concat())?;
         }
         let save_masks = masks.save_masks.map(|path| Destination::File { path, force: force.force });
         let sam = SamFrom::new(masks.sam);
         let from = masks_from(masks.masks, parameters.segmenter, sam)?;
         let engine = engine(masks.engine, parameters.threads);
         let layers = layers.files(force.force)?;
-        let (wrap, parameters) = (parameters.wrap.given(), parameters.analyze.clone());
+        let (wrap, parameters) = (parameters.wrap.choice(), parameters.analyze.clone());
         let looks_at_borders = true;
         Ok(Self { input, masks: from, engine, save_masks, layers, parameters, wrap, looks_at_borders })
     }
@@ -97,7 +97,7 @@ impl Analysis {
             save_masks: None,
             layers: LayerFiles::default(),
             parameters: parameters.analyze.clone(),
-            wrap: parameters.wrap.given(),
+            wrap: parameters.wrap.choice(),
             looks_at_borders: true,
         })
     }
@@ -124,8 +124,8 @@ pub(crate) fn analyze(common: &Common, analysis: &Analysis, reporter: &Reporter)
     library_of(common, analysis, analysis.input.read()?, reporter)
 }
 
-/// Any texture as a scene: a scene unchanged, a library as the reconstruction of its exemplar, a photograph
-/// or a drawing by way of its library.
+/// Any texture as a scene: a scene is unchanged; a library, and the library made of a photograph or drawing,
+/// gives the reconstruction of its exemplar.
 pub(crate) fn texture(common: &Common, analysis: &Analysis, reporter: &Reporter) -> anyhow::Result<Scene> {
     let bytes = analysis.input.read()?;
     if matches!(input::InputKind::of(&bytes), input::InputKind::Image | input::InputKind::Svg) {
@@ -188,7 +188,7 @@ fn library_of(
     Ok(library)
 }
 
-/// Refuses files that only photographs have.
+/// Refuses files that apply to photographs only.
 fn check_drawing(analysis: &Analysis) -> Result<(), Failure> {
     let LayerFiles { painted, save } = &analysis.layers;
     let masks = analysis.save_masks.is_some() || matches!(analysis.masks, MasksFrom::File(_));
@@ -226,7 +226,7 @@ pub(crate) fn segmenter(
     Ok(Box::new(Generator::new(Box::new(sam), GeneratorParams::default())?))
 }
 
-/// The network of Segment Anything, if it finds the masks.
+/// The network of Segment Anything, if the segmenter uses it.
 fn sam_from(masks: &MasksFrom) -> Option<SamFrom> {
     match masks {
         MasksFrom::Sam(from) => Some(from.clone()),
@@ -239,7 +239,7 @@ fn sam_from(masks: &MasksFrom) -> Option<SamFrom> {
     }
 }
 
-/// Everything that masks depend on besides the photograph and the parameters, as text: the segmenter,
+/// Text that identifies what masks depend on besides the photograph and the parameters: the segmenter,
 /// checksums of files, the engine.
 pub(crate) fn finds_masks(masks: &MasksFrom, options: &EngineOptions) -> anyhow::Result<String> {
     Ok(match (masks, sam_from(masks)) {
@@ -331,7 +331,7 @@ impl Segmenter for Saving<'_> {
     ) -> vtex::Result<Vec<ScoredMask>> {
         let masks = self.segmenter.segment_reduced(image, whole, progress)?;
         if let Some(place) = self.place {
-            // Packed by the writer, as all output is.
+            // Packed by the writer of files, like all output.
             let path = place.path();
             let gzip = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("gz"));
             let plain = if gzip { path.with_extension("") } else { path.to_owned() };

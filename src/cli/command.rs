@@ -1,4 +1,4 @@
-//! Commands: arguments, and the job that is made of them.
+//! Commands: from arguments to a job.
 
 use super::common::Common;
 use super::config::{CommandLineValues, ConfigLayer, Parameters};
@@ -16,7 +16,7 @@ pub(crate) trait Arguments {
         let _ = values;
     }
 
-    /// Reads the parameters stored in an input; those of the command line take precedence.
+    /// Reads the parameters stored in an input. Parameters of the command line take precedence.
     ///
     /// # Errors
     /// An input that cannot be read.
@@ -32,7 +32,7 @@ pub(crate) trait Arguments {
         Ok(None)
     }
 
-    /// Checks all that can be wrong without reading more inputs.
+    /// Checks everything that can be checked without reading more inputs, and returns the job.
     ///
     /// # Errors
     /// Usage errors.
@@ -43,7 +43,7 @@ pub(crate) trait Arguments {
 pub(crate) struct Resolved {
     /// All parameters; those of analysis and synthesis have the seed below.
     pub(crate) parameters: Parameters,
-    /// The seed: as given, or chosen at random.
+    /// The seed, which is chosen at random unless it is given.
     pub(crate) seed: Seed,
     /// The file of `--config`.
     pub(crate) config: Option<ConfigLayer>,

@@ -102,13 +102,13 @@ fn keys(section: &str) -> Vec<(String, String)> {
     all.filter(|(name, _)| !section.is_empty() || ["seed", "threads"].contains(&name.as_str())).collect()
 }
 
-/// A value of a file as its option reads it; else what the option expects.
+/// A value of a file, parsed by its option; if that fails, a description of the expected value.
 fn read(section: &str, key: &str, value: &Value) -> Result<CommandLineValues, String> {
     let command = options(section);
     let option = command.get_arguments().find(|a| a.get_long() == Some(key));
     let is_list = option.is_some_and(|a| a.get_value_delimiter().is_some());
     let text = match value {
-        // With its quotes, which the parser refuses.
+        // The value with its quotes, which the parser refuses.
         Value::String(bare)
             if option.is_some_and(is_bare)
                 && (bare.parse::<f64>().is_ok() || bare.parse::<bool>().is_ok()) =>
@@ -158,7 +158,7 @@ fn expected(error: &clap::Error) -> String {
 
 /// Values for some of the parameters, in sections.
 pub(crate) struct ConfigLayer {
-    /// Their origin, for messages: the file's name in quotes, or more.
+    /// Their origin, for messages: the name of the file in quotes, and more if needed.
     place: String,
     table: Table,
 }
@@ -278,7 +278,7 @@ impl Parameters {
         let mut analyze = of("analyze");
         take(&mut analyze, "segmenter", named, |v| self.segmenter = v)?;
         take(&mut analyze, "wrap", str::parse, |v| self.wrap = v)?;
-        self.analyze.wrap = self.wrap.given() == Some(true);
+        self.analyze.wrap = self.wrap.choice() == Some(true);
         self.analyze = merged(&self.analyze, analyze)?;
         let mut synth = of("synth");
         take(&mut synth, "size", str::parse, |Size { width, height, millimetres }| {
@@ -467,7 +467,7 @@ mod tests {
             let again =
                 Parameters::resolve(&[ConfigLayer::read(&path).unwrap()], &CommandLineValues::default())
                     .unwrap();
-            // A size that is written down counts as given.
+            // A size in a configuration counts as given.
             assert!(again.sized);
             assert_eq!(Parameters { sized: p.sized, ..again.clone() }, p);
             assert_eq!(again.dump(), p.dump());

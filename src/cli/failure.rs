@@ -18,23 +18,23 @@ pub(crate) struct Failure {
     hint: Option<String>,
     exit: Exit,
     /// Whether it was reported in JSON already.
-    told: bool,
+    is_reported: bool,
 }
 
 impl Failure {
     /// The command line or the configuration is wrong.
     pub(crate) fn usage(message: impl Into<String>) -> Self {
-        Self { message: message.into(), hint: None, exit: Exit::Usage, told: false }
+        Self { message: message.into(), hint: None, exit: Exit::Usage, is_reported: false }
     }
 
     /// The work failed.
     pub(crate) fn failed(message: impl Into<String>) -> Self {
-        Self { message: message.into(), hint: None, exit: Exit::Failed, told: false }
+        Self { message: message.into(), hint: None, exit: Exit::Failed, is_reported: false }
     }
 
     /// A failure that was reported in a line of JSON already.
-    pub(crate) fn told(mut self) -> Self {
-        self.told = true;
+    pub(crate) fn reported_already(mut self) -> Self {
+        self.is_reported = true;
         self
     }
 
@@ -82,7 +82,7 @@ pub(crate) fn explain(error: &anyhow::Error) -> (String, Option<String>, Exit) {
 
 /// Prints an error as an object of JSON on stdout, for programs: its message, its hint and the exit code.
 pub(crate) fn show_json(error: &anyhow::Error) {
-    if error.downcast_ref::<Failure>().is_some_and(|failure| failure.told) {
+    if error.downcast_ref::<Failure>().is_some_and(|failure| failure.is_reported) {
         return;
     }
     let (error, hint, exit) = explain(error);

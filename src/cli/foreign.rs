@@ -1,11 +1,11 @@
-//! Text of files, names and other programs, made fit for a terminal: nothing in it can move the cursor,
-//! change colours or fill the screen.
+//! Makes text of files, names and other programs safe for a terminal: it cannot move the cursor, change
+//! colours or fill the screen.
 
 /// Most characters of a line that is made of foreign text.
 const LONGEST: usize = 600;
 
 /// Whether a character would control the terminal, or change how adjacent characters are displayed.
-fn acts(c: char) -> bool {
+fn controls_terminal(c: char) -> bool {
     c.is_control()
         || matches!(c, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}')
 }
@@ -14,7 +14,7 @@ fn acts(c: char) -> bool {
 pub(crate) fn escaped(text: &str) -> String {
     let mut plain = String::with_capacity(text.len());
     for c in text.chars() {
-        if acts(c) { plain.extend(c.escape_default()) } else { plain.push(c) }
+        if controls_terminal(c) { plain.extend(c.escape_default()) } else { plain.push(c) }
     }
     plain
 }
@@ -24,7 +24,11 @@ pub(crate) fn escaped(text: &str) -> String {
 pub(crate) fn escaped_json(json: &str) -> String {
     let mut plain = String::with_capacity(json.len());
     for c in json.chars() {
-        if c != '\n' && acts(c) { plain += &format!("\\u{:04x}", u32::from(c)) } else { plain.push(c) }
+        if c != '\n' && controls_terminal(c) {
+            plain += &format!("\\u{:04x}", u32::from(c))
+        } else {
+            plain.push(c)
+        }
     }
     plain
 }
@@ -37,7 +41,7 @@ pub(crate) fn line(text: &str) -> String {
     if count <= LONGEST {
         return plain;
     }
-    // The cause often stands at the end.
+    // The end is kept because it often states the cause.
     let end = LONGEST / 3;
     let beginning: String = plain.chars().take(LONGEST - end).collect();
     let end: String = plain.chars().skip(count - end).collect();
@@ -61,8 +65,7 @@ pub(crate) fn cut(text: &str, characters: usize) -> String {
     }
 }
 
-/// A printed text of several lines that may hold styles of our own: they stay, anything else that acts on
-/// a terminal is written out.
+/// A text of several lines. Styles of vtex are kept; all other control characters are escaped.
 pub(crate) fn styled(text: &str) -> String {
     let mut plain = String::with_capacity(text.len());
     let mut rest = text;

@@ -1,4 +1,4 @@
-//! Scenes one after another, written as files in a folder or as one file that plays.
+//! Writes a sequence of scenes as files in a folder or as one animated file.
 
 use super::options::frames::digits;
 use super::output::{Destination, DrawingOptions, Target, WrittenFile};
@@ -27,7 +27,7 @@ impl Frames<'_> {
         if go_on { Ok((self.scene)(k)) } else { Err(Error::Interrupted) }
     }
 
-    /// Files of their own, named by their number; replaced where vtex did not write them if `force`.
+    /// Writes each frame to a file named by its number; `force` replaces files that vtex did not write.
     pub(crate) fn write_files(
         &self,
         folder: &Path,

@@ -1,4 +1,4 @@
-//! Hints after an error of the library, in the words of the command line.
+//! Hints for errors of the library, with commands and options.
 
 use std::io::ErrorKind;
 use std::path::Path;
@@ -9,7 +9,7 @@ use vtex::library::Library;
 /// The note of a page on a photograph that was not found.
 pub(crate) const PHOTO: &str = "Name it with --exemplar.";
 
-/// Hints where analysis found other elements than wanted.
+/// A hint for a photograph in which analysis finds the wrong elements.
 pub(crate) fn of_library(library: &Library) -> Option<&'static str> {
     let (primaries, most) = (library.primaries().len(), library.source.parameters.max_paths as usize);
     if primaries == 0 {
@@ -26,7 +26,8 @@ fn is_pattern(path: &Path) -> bool {
     path.to_string_lossy().contains(['*', '?'])
 }
 
-/// One sentence without a full stop: one that names commands and options, else the library's own.
+/// The hint for an error, one sentence without a full stop. Errors without a hint of the command line have
+/// that of the library.
 pub(crate) fn hint(error: &Error) -> Option<String> {
     let text = match error {
         Error::Read { path, source } if source.kind() == ErrorKind::NotFound && is_pattern(path) => {

@@ -26,15 +26,14 @@ pub(crate) fn note_read(path: &Path) {
     }
 }
 
-/// Whether a file has been read as an input, whatever the path that named it.
+/// Whether a file has been read as an input, by any path.
 pub(crate) fn was_read(path: &Path) -> bool {
     path.canonicalize().is_ok_and(|path| READ.lock().unwrap_or_else(PoisonError::into_inner).contains(&path))
 }
 
-/// Reads a text that people write, such as a configuration.
+/// Reads a text file written by the user, such as a configuration.
 ///
-/// # Errors
-/// [`Error::Read`], also of what is not UTF-8; [`Error::TooLarge`] beyond 16 MiB.
+/// # Errors [`Error::Read`], also for a file that is not UTF-8; [`Error::TooLarge`] beyond 16 MiB.
 pub(crate) fn read_text(path: &Path) -> Result<String> {
     const MOST: u64 = 16 << 20;
     let mut text = String::new();

@@ -17,7 +17,7 @@ static WAITING: AtomicBool = AtomicBool::new(false);
 /// Files and folders to be removed when Ctrl-C ends the program.
 static PASSING: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
-/// Time for the work to stop. Other libraries, which parse and draw SVGs and run networks, cannot be stopped.
+/// Time allowed for the work to stop. Libraries that parse and draw SVGs or run networks cannot be stopped.
 const PATIENCE: Duration = Duration::from_millis(800);
 
 /// Starts to watch for Ctrl-C and signals to end.
@@ -68,13 +68,13 @@ impl Drop for Passing {
 }
 
 /// Whether the user asked to stop.
-pub(crate) fn asked() -> bool {
+pub(crate) fn is_requested() -> bool {
     ASKED.load(Ordering::Relaxed)
 }
 
 /// An error if the user asked to stop.
 pub(crate) fn check() -> vtex::Result<()> {
-    if asked() { Err(vtex::Error::Interrupted) } else { Ok(()) }
+    if is_requested() { Err(vtex::Error::Interrupted) } else { Ok(()) }
 }
 
 /// Runs work that may wait for another program without end, such as reading standard input; Ctrl-C then ends

@@ -63,7 +63,7 @@ impl FileRole {
     }
 }
 
-/// The state of a file compared with when it was added.
+/// The state of a file relative to when it was added.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum FileState {
@@ -177,7 +177,7 @@ impl ModelFolder {
         Ok(networks.map(|f| self.folder.join(name).join(&f.file)).collect())
     }
 
-    /// Sums of all files of a model, as they were when it was added.
+    /// Checksums of all files of a model, as stored when it was added.
     pub(crate) fn sums(&self, name: &str) -> anyhow::Result<Vec<String>> {
         Ok(self.model(name)?.files.into_iter().map(|f| f.sha256).collect())
     }
@@ -203,7 +203,7 @@ impl ModelFolder {
             let failure = Failure::failed(format!("there is a model '{name}' already"));
             return Err(failure.hint("give another --name, or --force to replace it").into());
         }
-        // Before the copying, which may take long.
+        // Fails before the copying, which may take long.
         let mut roles = Vec::new();
         for path in files {
             let role = if is_network(path) {
@@ -255,7 +255,7 @@ impl ModelFolder {
         Ok(model)
     }
 
-    /// Moves a folder to a place where another may be; the other is removed only after it is replaced.
+    /// Moves a folder to a place where another may exist, which is removed only after it is replaced.
     fn put(&self, new: &Path, place: &Path) -> Result<()> {
         let fail = |e: io::Error| {
             let _ = fs::remove_dir_all(new);
@@ -325,7 +325,7 @@ pub(crate) fn sums_of_network(path: &Path) -> Result<Vec<String>> {
     files.iter().map(|file| Ok(copy(file, None)?.1)).collect()
 }
 
-/// Copies a file, or only reads it: its bytes and their SHA-256.
+/// Copies a file, or only reads it. Returns the number of bytes and their SHA-256.
 fn copy(from: &Path, to: Option<&Path>) -> Result<(u64, String)> {
     let mut file = File::open(from).map_err(|e| Error::read(from, e))?;
     let mut out = match to {
@@ -347,7 +347,7 @@ fn copy(from: &Path, to: Option<&Path>) -> Result<(u64, String)> {
         }
     }
     if let Some((path, out)) = &out {
-        // Some disks say only now that they are full.
+        // Some file systems report a full disk only here.
         out.sync_all().map_err(|e| Error::write(path, e))?;
     }
     Ok((bytes, hash.finalize().iter().map(|b| format!("{b:02x}")).collect()))

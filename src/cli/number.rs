@@ -10,9 +10,9 @@ pub(crate) trait Number: FromStr + Copy + PartialOrd + Display + Send + Sync + '
 
 impl<T: FromStr + Copy + PartialOrd + Display + Send + Sync + 'static> Number for T {}
 
-/// What an option takes, in its help and by its parser.
+/// Adds to an option its parser and the description of its values.
 pub(crate) trait Takes: Sized {
-    /// Ends the help in what the option takes, in brackets.
+    /// Appends a description of the option's values, in brackets, to its help.
     fn takes(self, what: impl Display) -> Self;
 
     /// Takes a number in the range of a parameter. The help ends in range and default.

@@ -64,7 +64,7 @@ impl DrawingOptions<'_> {
         png::render(&self.scene(scene), self.render.scale)
     }
 
-    /// The scene with the chosen background.
+    /// The scene with the background of the options.
     fn scene<'s>(&self, scene: &'s Scene) -> Cow<'s, Scene> {
         let Some(background) = self.render.background else { return Cow::Borrowed(scene) };
         Cow::Owned(scene.clone().with_background(match background {
@@ -101,7 +101,7 @@ impl WrittenFile {
     }
 }
 
-/// The folders that were searched for files left by killed processes.
+/// The folders that were already searched for files left by killed processes.
 static SWEPT: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
 impl Destination {
@@ -187,9 +187,9 @@ fn check_open() -> io::Result<()> {
     Ok(())
 }
 
-/// [`Error::Interrupted`] if the user asked to stop, whatever else that led to.
+/// [`Error::Interrupted`] if the user asked to stop, in place of errors that the stop caused.
 fn or_interrupted(error: Error) -> Error {
-    if interrupt::asked() { Error::Interrupted } else { error }
+    if interrupt::is_requested() { Error::Interrupted } else { error }
 }
 
 impl Targets {
@@ -241,7 +241,7 @@ impl Targets {
         Ok(written)
     }
 
-    /// Writes to one after the other.
+    /// Writes to all targets, one after the other.
     ///
     /// # Errors
     /// Those of `write`.
@@ -295,7 +295,7 @@ impl Target {
         })
     }
 
-    /// Writes a scene as a pattern; a background may be of one colour there, but not missing.
+    /// Writes a scene as a pattern. The background may have one colour, but may not be missing.
     ///
     /// # Errors
     /// As [`Destination::write`], and those of [`svg::write_pattern`] and of [`reduce::to_fit`].

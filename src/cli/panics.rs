@@ -11,7 +11,7 @@ static PLACE: Mutex<Option<String>> = Mutex::new(None);
 pub(crate) fn watch() {
     std::panic::set_hook(Box::new(|panic| {
         let place = panic.location().map(|at| {
-            // The folders before it are those of the machine that compiled the program.
+            // The folders before `src` are those of the machine that compiled the program.
             let file = at.file().rsplit_once("/src/").map_or(at.file(), |(_, file)| file);
             format!("{file}:{}", at.line())
         });

@@ -75,9 +75,9 @@ const TEXTON: [Seconds; 7] = [
     ("finding masks: finest grid", 0.05, 0.65),
     ("judging masks", 0.05, 0.8),
 ];
-/// The same by merged regions.
+/// Stages of segmentation by merged regions.
 const REGIONS: [Seconds; 2] = [("reading", 0.02, 0.0), ("merging regions", 0.02, 0.45)];
-/// The rest of the analysis.
+/// The remaining stages of the analysis.
 const ANALYSIS: [Seconds; 5] = [
     ("primaries", 0.05, 1.15),
     ("details", 0.06, 0.75),
@@ -177,7 +177,7 @@ impl Default for TotalProgress {
 
 /// Share of the work after which this machine's speed has as much weight as the measured one.
 const PRIOR: f64 = 0.1;
-/// Expected seconds of a stage that is in no plan.
+/// Expected seconds of a stage that is not in the plan.
 const UNKNOWN: f64 = 0.3;
 
 impl TotalProgress {
@@ -205,7 +205,7 @@ impl TotalProgress {
 
     /// The share of the work done at a time.
     fn share(&mut self, now: f64) -> f64 {
-        // Corrects for the speed of this machine, which is not known at first.
+        // Scales the plan by the speed of this machine, which is estimated from the stages so far.
         let prior = PRIOR * self.stages.iter().map(|stage| stage.1).sum::<f64>();
         let rate = (self.spent[0] + prior) / (self.spent[1] + prior);
         let gone = now - self.since;
@@ -278,7 +278,7 @@ impl Reporter {
         self.whole.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// A bar that moves with the clock, also in stages that report rarely.
+    /// A bar that moves with time, even in stages that report rarely.
     fn style(&self) -> ProgressStyle {
         let (whole, start) = (Arc::clone(&self.whole), self.start);
         let draw = move |_: &ProgressState, out: &mut dyn std::fmt::Write| {
@@ -315,7 +315,7 @@ impl Reporter {
     }
 
     /// Runs work with the bar hidden, such as a question to the user.
-    pub(crate) fn aside<T>(&self, work: impl FnOnce() -> T) -> T {
+    pub(crate) fn with_bar_hidden<T>(&self, work: impl FnOnce() -> T) -> T {
         self.bar.suspend(work)
     }
 
@@ -338,7 +338,7 @@ impl Reporter {
 
 impl Drop for Reporter {
     fn drop(&mut self) {
-        // After an error the bar must not remain on the line of the message.
+        // Removes the bar, so that the message of an error has its own line.
         self.bar.finish_and_clear();
     }
 }
@@ -371,7 +371,7 @@ impl Progress for Reporter {
             self.bar.set_message(stage);
         }
         self.whole().steps = (done, total);
-        state.failure.is_none() && !interrupt::asked()
+        state.failure.is_none() && !interrupt::is_requested()
     }
 
     fn warn(&self, message: &str) {
@@ -519,7 +519,7 @@ mod tests {
         for (name, plan, seconds) in runs() {
             let stages = plan.stages();
             assert_eq!(stages.len(), seconds.len(), "{name}");
-            // Machines differ in speed.
+            // The speed of the machine differs from the measured one.
             for slower in [0.8, 1.0, 1.25] {
                 let mut whole = TotalProgress::default();
                 whole.enter("reading", 0.0);
@@ -532,7 +532,8 @@ mod tests {
                         let now = begin + own * slower * f64::from(k) / 20.0;
                         let (shown, true_share) = (whole.share(now), now / total);
                         let apart = (shown - true_share).abs();
-                        // Outlines, the longest stage of vectorize, depend on the photograph most.
+                        // The time of outlines, the longest stage of vectorize, depends most on the
+                        // photograph.
                         let most = if plan.canvas.is_some() { 0.1 } else { 0.15 };
                         assert!(apart <= most, "{name} x {slower}: {stage}: {shown:.3} at {true_share:.3}");
                     }

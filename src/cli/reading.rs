@@ -48,7 +48,7 @@ pub(crate) fn controls(
     let maps = maps.collect::<anyhow::Result<Vec<_>>>()?;
     let maps: Vec<(&str, &[u8])> = maps.iter().map(|(name, bytes)| (name.as_str(), &bytes[..])).collect();
     let shares = if maps.is_empty() { Vec::new() } else { control::shares(&maps, libraries)? };
-    // A fault of the guide is reported before the long work.
+    // A fault of the guide is reported before the synthesis.
     match &steering.structure {
         Some(_) if parameters.method == Method::Descriptor => {
             let failure = Failure::usage("--control and --guide lead placement by correspondences");
@@ -114,7 +114,7 @@ pub(crate) fn texture_of(bytes: Vec<u8>, input: &Input) -> anyhow::Result<Scene>
 pub(crate) fn libraries(inputs: &[Input]) -> anyhow::Result<Vec<Library>> {
     let read = |input: &Input| {
         let bytes = input.read()?;
-        // An unknown file may still be a damaged library, and reading it says where.
+        // An unknown file may be a damaged library; the error of reading it states the place.
         InputKind::expect(&bytes, input, &[InputKind::Library, InputKind::Unknown])?;
         Ok(Library::from_bytes(bytes, &input.name())?)
     };

@@ -40,8 +40,7 @@ pub(crate) fn sum(bytes: &[u8]) -> String {
 /// The recipe of the texture of a photograph and of the library that was made from it; `masks` is the source
 /// of its masks.
 ///
-/// # Errors
-/// Files that were used and cannot be read any more.
+/// # Errors Files that were used and can no longer be read.
 pub(crate) fn of(
     parameters: &Parameters,
     masks: MasksFrom,
@@ -56,7 +55,7 @@ pub(crate) fn of(
         anyhow::Ok(())
     };
     for (role, file) in steering.files().chain(painted.map(|file| ("--layer-map", file))) {
-        // Bytes from a pipe cannot be read again.
+        // Input from a pipe cannot be read again.
         if let Input::File(path) = file {
             add(role, path)?;
         }

@@ -72,7 +72,7 @@ pub(crate) fn ask(
         1 => ", and so does 1 more file".into(),
         n => format!(", and so do {n} more files"),
     };
-    let answer = reporter.aside(|| {
+    let answer = reporter.with_bar_hidden(|| {
         anstream::eprint!("{}; replace it? [y/N] ", line(&format!("{texture}{more}")));
         let mut answer = String::new();
         // An answer that cannot be read does not count as consent.

@@ -12,7 +12,7 @@ use super::values::Seed;
 use vtex::library::AnalyzeParams;
 use vtex::scene::SynthParams;
 
-/// What a command line asks for.
+/// The request of a command line.
 pub(crate) enum Task {
     /// Print the parameters.
     DumpConfig(String),

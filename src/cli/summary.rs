@@ -80,7 +80,7 @@ pub(crate) struct Summary {
 
 impl Summary {
     /// Summary of a finished command, with the warnings of the writer. Fields that only some commands have
-    /// are left out. Nothing can be reported afterwards.
+    /// are empty. Ends the reports of progress.
     pub(crate) fn new(
         command: &'static str,
         inputs: Vec<String>,
@@ -151,7 +151,7 @@ impl PhotographReduction {
 /// Number of elements by kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub(crate) struct ElementCounts {
-    /// Of a library: primaries known. Of a scene: primaries placed.
+    /// Primaries of a library, or placed primaries of a scene.
     pub(crate) primaries: usize,
     /// Primaries that the border cuts.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -238,7 +238,7 @@ pub(crate) struct LayersReport {
 }
 
 impl LayersReport {
-    /// Layers of a library's exemplar; `None` if it has one and nothing had to be decided.
+    /// Layers of a library's exemplar; `None` for a single layer without a decision on the number.
     pub(crate) fn of_library(library: &Library) -> Option<Self> {
         let map = layer_map(library);
         let why = library.source.strata_reason.clone();
@@ -310,7 +310,7 @@ impl Summary {
     ///
     /// # Errors
     /// A closed standard output.
-    pub(crate) fn tell(&self, common: &Common, stdout_is_taken: bool) -> anyhow::Result<()> {
+    pub(crate) fn print(&self, common: &Common, stdout_is_taken: bool) -> anyhow::Result<()> {
         if common.json {
             return print_json(self, stdout_is_taken);
         }
@@ -356,67 +356,67 @@ impl Summary {
             say(&layers);
         }
         if let Some(lattice) = &self.lattice {
-            say(&regular(lattice));
+            say(&lattice_text(lattice));
         }
         if let Some(given_up) = &self.given_up {
-            say(&format!("given up to make it as small: {}", missing(given_up)));
+            say(&format!("given up to make it as small: {}", reductions(given_up)));
         }
         if let (Some(seed), true) = (self.seed, common.seed_chosen) {
             say(&format!("seed: {seed} (give --seed {seed} for the same again)"));
         }
         if common.verbosity > 0 {
-            if let Some(c) = &self.counts {
-                let cut = c.clipped.map_or(String::new(), |n| {
-                    format!(", {n} of {} elements are cut by the border", c.primaries)
-                });
-                say(&format!(
-                    "  {} details on elements, {} background colours{cut}",
-                    c.details, c.background
-                ));
-            }
-            if let Some(why) = self.layers.as_ref().and_then(|layers| layers.why.as_ref()) {
-                let count = match self.layers.as_ref().map_or(0, |layers| layers.names.len()) {
-                    1 => "1 layer".into(),
-                    n => format!("{n} layers"),
-                };
-                say(&format!("  {count}: {why}"));
-            }
-            if let Some(lattice) = &self.lattice {
-                say(&format!("  {}", measured(lattice)));
-            }
-            let placed = match self.method {
-                Some(Method::Correspondence) => Some("carried along from the exemplar (correspondence)"),
-                Some(Method::Descriptor) => {
-                    Some("placed one by one, by what stands around them (descriptor)")
-                }
-                Some(Method::Period) => Some("placed by the period of the drawing (period)"),
-                Some(Method::Auto) | None => None,
-            };
-            if let Some(how) = placed {
-                say(&format!("  elements were {how}"));
-            }
-            if let Some(share) = self.period {
-                say(&format!("  {:.0} % of the places repeat the drawing", 100.0 * share));
-            }
-            if let Some(structure) = &self.structure {
-                say(&format!("  {}", carried(structure)));
-            }
-            if let (Some(overlap), Some(repetition)) = (&self.overlap, &self.repetition) {
-                say(&format!("  {}", placement(overlap, repetition)));
-            }
-            for (stage, spent) in &self.seconds.0 {
-                say(&format!("  {stage:16} {:8.3} s", spent.as_secs_f64()));
-            }
-            if let Some(peak) = self.peak_memory {
-                say(&format!("  {:16} {:>10}", "peak memory", bytes(peak)));
-            }
+            self.print_details();
         }
         Ok(())
+    }
+
+    /// Prints counts, measures, seconds by stage and memory.
+    fn print_details(&self) {
+        if let Some(c) = &self.counts {
+            let cut = c.clipped.map_or(String::new(), |n| {
+                format!(", {n} of {} elements are cut by the border", c.primaries)
+            });
+            say(&format!("  {} details on elements, {} background colours{cut}", c.details, c.background));
+        }
+        if let Some(why) = self.layers.as_ref().and_then(|layers| layers.why.as_ref()) {
+            let count = match self.layers.as_ref().map_or(0, |layers| layers.names.len()) {
+                1 => "1 layer".into(),
+                n => format!("{n} layers"),
+            };
+            say(&format!("  {count}: {why}"));
+        }
+        if let Some(lattice) = &self.lattice {
+            say(&format!("  {}", lattice_measures(lattice)));
+        }
+        let placed = match self.method {
+            Some(Method::Correspondence) => Some("carried along from the exemplar (correspondence)"),
+            Some(Method::Descriptor) => Some("placed one by one, by what stands around them (descriptor)"),
+            Some(Method::Period) => Some("placed by the period of the drawing (period)"),
+            Some(Method::Auto) | None => None,
+        };
+        if let Some(how) = placed {
+            say(&format!("  elements were {how}"));
+        }
+        if let Some(share) = self.period {
+            say(&format!("  {:.0} % of the places repeat the drawing", 100.0 * share));
+        }
+        if let Some(structure) = &self.structure {
+            say(&format!("  {}", structure_text(structure)));
+        }
+        if let (Some(overlap), Some(repetition)) = (&self.overlap, &self.repetition) {
+            say(&format!("  {}", placement_text(overlap, repetition)));
+        }
+        for (stage, spent) in &self.seconds.0 {
+            say(&format!("  {stage:16} {:8.3} s", spent.as_secs_f64()));
+        }
+        if let Some(peak) = self.peak_memory {
+            say(&format!("  {:16} {:>10}", "peak memory", bytes(peak)));
+        }
     }
 }
 
 /// The reductions of a file, in a line.
-fn missing(given_up: &GivenUp) -> String {
+fn reductions(given_up: &GivenUp) -> String {
     let GivenUp { decimals, tolerance, details, elements } = *given_up;
     let digits = if decimals == 1 { "1 decimal".into() } else { format!("{decimals} decimals") };
     let mut line = format!("numbers have {digits}");
@@ -430,7 +430,7 @@ fn missing(given_up: &GivenUp) -> String {
 }
 
 /// A lattice, in a line.
-pub(crate) fn regular(lattice: &Lattice) -> String {
+pub(crate) fn lattice_text(lattice: &Lattice) -> String {
     let lengths = lattice.vectors.iter().map(|[x, y]| format!("every {:.0} px", libm::hypot(*x, *y)));
     let lengths = lengths.collect::<Vec<_>>().join(" and ");
     let kind = if lattice.vectors.len() == 1 { "rows that return" } else { "a lattice that repeats" };
@@ -445,7 +445,7 @@ pub(crate) fn regular(lattice: &Lattice) -> String {
 }
 
 /// The measures of a lattice, in a line.
-pub(crate) fn measured(lattice: &Lattice) -> String {
+pub(crate) fn lattice_measures(lattice: &Lattice) -> String {
     let vectors: Vec<String> = lattice.vectors.iter().map(|[x, y]| format!("({x:.1}, {y:.1})")).collect();
     format!(
         "the lattice has the vectors {} px, strength {:.2} of 1, and elements stray by {:.1} px",
@@ -456,7 +456,7 @@ pub(crate) fn measured(lattice: &Lattice) -> String {
 }
 
 /// Counts of a field of correspondences, in a line.
-fn carried(s: &Structure) -> String {
+fn structure_text(s: &Structure) -> String {
     format!(
         "{} elements came whole, in {} patches; {} were replaced by others like them, {} joined of parts \
          ({:.1} % of the canvas)",
@@ -469,9 +469,9 @@ fn carried(s: &Structure) -> String {
 }
 
 /// Advice if few elements of a texture were carried whole; `None` if enough were. Of 24 photographs on
-/// canvases of 800 px it concerns one: of its planks an eighth were carried whole, a third without the rows.
-/// Of bricks two in five were carried whole, which is not noticeable. Of a quarter of a photograph of cracked
-/// mud a sixth was carried whole, of all of it two thirds.
+/// canvases of 800 px one gets the advice: an eighth of its planks were carried whole, a third without the
+/// rows. Of bricks two fifths were carried whole, which is not noticeable. Of cracked mud a sixth was carried
+/// whole from a quarter of the photograph, two thirds from all of it.
 pub(crate) fn few_whole(s: &Structure, library: &Library) -> Option<String> {
     const LEAST_SHARE: f64 = 0.25;
     const LEAST_COUNT: usize = 8;
@@ -496,7 +496,7 @@ pub(crate) fn few_whole(s: &Structure, library: &Library) -> Option<String> {
 }
 
 /// Counts of placement, in a line.
-fn placement(overlap: &Overlap, repetition: &Repetition) -> String {
+fn placement_text(overlap: &Overlap, repetition: &Repetition) -> String {
     let mut line = format!(
         "elements hide {:.1} % of one another; {} different ones are used ({} are whole), none for more than \
          {:.1} % of the places",
@@ -546,7 +546,7 @@ mod tests {
         let overlap = Overlap { hidden: 0.0123, buried: 0.0 };
         let mut repetition =
             Repetition { textons: 40, placeable: 44, largest_share: 0.031, near: 0.1, copies: None };
-        let line = placement(&overlap, &repetition);
+        let line = placement_text(&overlap, &repetition);
         assert_eq!(
             line,
             "elements hide 1.2 % of one another; 40 different ones are used (44 are whole), none for more than 3.1 % of \
@@ -558,7 +558,9 @@ mod tests {
             median: 60.5,
             median_neighbours: 3.0,
         });
-        assert!(placement(&overlap, &repetition).ends_with("is 20 px away or more, 60 px in the median"));
+        assert!(
+            placement_text(&overlap, &repetition).ends_with("is 20 px away or more, 60 px in the median")
+        );
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Libraries → texture, written and summed up.
+//! Makes a texture of libraries, writes it, and prints a summary.
 
 use super::common::Common;
 use super::config::Parameters;
@@ -75,8 +75,8 @@ impl Synthesis {
         })
     }
 
-    /// Asks before other pictures are replaced, or returns a hint to be printed at the end; `exemplars` are
-    /// the checksums of the exemplars.
+    /// Asks before pictures of other textures are replaced, or returns a hint to be printed at the end;
+    /// `exemplars` are the checksums of the exemplars.
     ///
     /// # Errors
     /// Those of [`replacing::ask`].
@@ -211,6 +211,6 @@ impl FinishedTexture<'_> {
         };
         // `warp` uses the scene's own seed unless one was given.
         let seed_chosen = common.seed_chosen && command != "warp";
-        summary.tell(&Common { seed_chosen, ..common.clone() }, targets.piped())
+        summary.print(&Common { seed_chosen, ..common.clone() }, targets.piped())
     }
 }

@@ -8,18 +8,19 @@ use vtex::output::file::{FileKind, Format};
 
 /// An error of the parser as text.
 pub(crate) fn text(error: &clap::Error, arguments: &[OsString]) -> String {
-    let foreign = arguments.iter().any(|a| a.to_string_lossy().chars().any(char::is_control));
-    // Colours of ours cannot be told from colours of theirs.
+    let has_control = arguments.iter().any(|a| a.to_string_lossy().chars().any(char::is_control));
+    // Control characters of arguments cannot be distinguished from those of colours, so the message then has
+    // no colours.
     let rendered = error.render();
-    let plain = styled(&if foreign { rendered.to_string() } else { rendered.ansi().to_string() });
-    match meant(error, arguments) {
+    let plain = styled(&if has_control { rendered.to_string() } else { rendered.ansi().to_string() });
+    match suggestion(error, arguments) {
         Some(hint) => format!("{}\nhint: {}\n", plain.trim_end(), styled(&hint)),
         None => plain,
     }
 }
 
-/// What was probably meant by something that the parser does not know, in one sentence.
-fn meant(error: &clap::Error, arguments: &[OsString]) -> Option<String> {
+/// A suggestion for something that the parser does not know, in one sentence.
+fn suggestion(error: &clap::Error, arguments: &[OsString]) -> Option<String> {
     let own = |kind: ContextKind| match error.get(kind) {
         Some(ContextValue::String(text)) => Some(text.as_str()),
         _ => None,
@@ -64,7 +65,7 @@ const MAKES_ONE_FILE: [&str; 8] =
 /// Extensions of pictures and drawings.
 const PICTURES: [&str; 10] = ["png", "jpg", "jpeg", "tif", "tiff", "webp", "bmp", "gif", "svg", "svgz"];
 
-/// The command that reads a file of such a name; `None` for what is no file.
+/// The command that reads a file with this name; `None` if it is not the name of a file.
 fn command_of(file: &str) -> Option<&'static str> {
     let path = Path::new(file);
     match FileKind::from_path(path).map(|kind| kind.format) {

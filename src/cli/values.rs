@@ -31,7 +31,7 @@ impl Size {
         Self { width, height, millimetres: Some(millimetres) }
     }
 
-    /// What a canvas may be, for the help.
+    /// The description of canvas sizes in the help.
     pub(crate) fn canvas(side: Parameter<u32>) -> String {
         format!("{side}, at most 400 megapixels, default: {}", side.default())
     }
@@ -90,7 +90,7 @@ impl Wrap {
     pub(crate) const NAMES: [&'static str; 3] = ["auto", "on", "off"];
 
     /// The choice; `None` for `auto`.
-    pub(crate) fn given(self) -> Option<bool> {
+    pub(crate) fn choice(self) -> Option<bool> {
         match self {
             Self::Auto => None,
             Self::On => Some(true),
@@ -114,7 +114,7 @@ impl FromStr for Wrap {
 
 impl Serialize for Wrap {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match self.given() {
+        match self.choice() {
             Some(wrap) => serializer.serialize_bool(wrap),
             None => serializer.serialize_str("auto"),
         }
@@ -143,7 +143,7 @@ impl FromStr for Factors {
 pub(crate) struct Bytes(pub(crate) u64);
 
 impl Bytes {
-    /// How many there may be.
+    /// Range of the number of bytes.
     pub(crate) const RANGE: Parameter<u64> = Parameter::new("max-bytes", [1, 1_000_000_000_000], "");
 }
 
@@ -166,7 +166,7 @@ impl Serialize for Bytes {
     }
 }
 
-/// A 64-bit seed. TOML integers have 63 bits, so a larger one is written as text.
+/// A 64-bit seed. TOML integers have 63 bits, so larger seeds are written as text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Seed(pub(crate) u64);
 
@@ -349,7 +349,7 @@ impl<T: Clone + Send + Sync + 'static> TypedValueParser for OneOf<T> {
     }
 }
 
-/// The message on a value that has none of these names.
+/// The message for an unknown name.
 pub(crate) fn one_of_these(names: &[impl AsRef<str>]) -> String {
     let names: Vec<&str> = names.iter().map(AsRef::as_ref).collect();
     match names.split_last() {

@@ -1,4 +1,4 @@
-//! `vtex animate` of two scenes: what is written, and what is said of options that change nothing.
+//! `vtex animate` of two scenes: results, and notes on options without effect.
 
 use super::support::Folder;
 use serde_json::json;

@@ -3,7 +3,7 @@
 use super::support::{Folder, Run, encode, photo};
 use serde_json::Value;
 
-/// A folder with two photographs and a file that is none, in `photos`.
+/// A folder whose subfolder `photos` holds two photographs and another file.
 fn photos() -> Folder {
     let folder = Folder::new();
     std::fs::create_dir(folder.path("photos")).unwrap();
@@ -17,7 +17,7 @@ fn photos() -> Folder {
 
 const BATCH: &str = "batch photos --out-dir out --size 60 --segmenter regions";
 
-/// Lines of `--json`: the jobs, and all together.
+/// The lines of `--json`: those of the jobs, and the total.
 fn lines(run: &Run) -> (Vec<Value>, Value) {
     let mut all: Vec<Value> = run.text().lines().map(|l| serde_json::from_str(l).unwrap()).collect();
     let total = all.pop().unwrap();
@@ -43,7 +43,7 @@ fn a_failure_does_not_stop_the_others_and_the_rest_is_resumed() {
         assert!(run.stderr.contains(said), "{}", run.stderr);
     }
     let first = [folder.read("out/a.svg"), folder.read("out/c.svg")];
-    // As by itself.
+    // The result of a batch equals that of a single command.
     folder.run("texture photos/a.png --size 60 --segmenter regions --seed 7 -o alone.svg").succeeds();
     assert_eq!(first[0], folder.read("alone.svg"));
 
@@ -53,7 +53,7 @@ fn a_failure_does_not_stop_the_others_and_the_rest_is_resumed() {
     assert_eq!(statuses(&run), ["skipped", "done", "done"]);
     assert_eq!(first, [folder.read("out/a.svg"), folder.read("out/c.svg")]);
     assert_eq!(lines(&run).1["done"], 2);
-    // Other parameters, another input: done anew.
+    // Jobs with other parameters or another input are done again.
     let run = folder.run(&format!("{BATCH} --seed 8 --json")).succeeds();
     assert_eq!(statuses(&run), ["done"; 3]);
     folder.write("photos/a.png", folder.read("photos/c.PNG"));
@@ -86,7 +86,7 @@ fn shards_do_all_jobs_between_them() {
     assert_eq!((shard(1), shard(2)), (vec!["a".into(), "c".into()], vec!["b".into()]));
     assert!(folder.path("out/b.scene.json").is_file() && folder.path("out/b.png").is_file());
     assert!(folder.path("out/batch-2-of-2.jsonl").is_file());
-    // What a shard did is known to all.
+    // A run without shards skips what shards have done.
     let all = "batch a.lib.json b.lib.json c.lib.json --out-dir out --size 40 --seed 1 --json --format png";
     assert_eq!(statuses(&folder.run(all)), ["skipped"; 3]);
 }
@@ -106,7 +106,7 @@ fn jobs_of_a_file_have_parameters_of_their_own() {
     assert_eq!((&jobs[0]["size"], &jobs[0]["seed"]), (&serde_json::json!([50, 50]), &3.into()));
     assert_eq!((&jobs[1]["size"], &jobs[1]["seed"]), (&serde_json::json!([70, 60]), &4.into()));
     assert!(folder.path("out/photo.svg").is_file() && folder.path("out/large.svgz").is_file());
-    // The command line wins.
+    // The command line takes precedence over the file of jobs.
     let run = folder.run("batch list/jobs.toml --out-dir out --json --size 30").succeeds();
     assert_eq!(lines(&run).0[1]["size"], serde_json::json!([30, 30]));
 }
@@ -179,7 +179,7 @@ fn a_job_at_which_the_program_died_is_left_out_next_time_and_takes_no_other_alon
         assert!(job["hint"].as_str().unwrap().contains("--force"), "{job}");
         assert!(!marked());
     }
-    // Other parameters make it another job.
+    // With other parameters it is another job.
     let run = folder.run(&format!("{line} --json --size 40")).succeeds();
     assert_eq!(statuses(&run), ["done", "skipped"]);
 }

@@ -1,4 +1,4 @@
-//! `vtex transfer`, `animate` and `metrics --library`: what they read and write, and what they refuse.
+//! `vtex transfer`, `animate` and `metrics --library`: inputs, outputs and refusals.
 
 use super::support::{Folder, is_document};
 
@@ -28,7 +28,7 @@ fn textures_of_all_kinds_lend_arrangement_and_appearance() {
         assert!(run.succeeds().json()["seconds"].is_object(), "{name}");
     }
     assert!(is_document(&folder.read("2.scene.json"), "vtex-scene"));
-    // A photograph lends the arrangement that its library has.
+    // A photograph as structure gives the same result as its library.
     folder.run("transfer --structure photo.png --appearance a.scene.json -o b.svg --seed 3").succeeds();
     folder.run("analyze photo.png -o own.lib.json --seed 3").succeeds();
     folder.run("transfer --structure own.lib.json --appearance a.scene.json -o c.svg --seed 3").succeeds();
@@ -109,7 +109,7 @@ fn elements_are_found_again_in_scenes_and_in_svgs() {
     };
     let (scene, svg) = (told("a.scene.json"), told("a.svg"));
     assert!(scene.0 > 10 && scene.1 > 0.6, "{scene:?}");
-    // The same elements, read from the SVG: a few more or less, as pieces of them touch the border.
+    // The SVG gives about the same numbers; they differ by pieces of elements that touch the border.
     assert!(svg.0.abs_diff(scene.0) <= scene.0 / 5 && (svg.1 - scene.1).abs() < 0.15, "{scene:?} {svg:?}");
     folder.run("metrics photo.png --library photo.lib.json").fails(1, "photo.png");
 }
@@ -163,7 +163,7 @@ fn a_photograph_whose_borders_join_is_found_to_repeat() {
     assert!(periodic && told.contains("borders join"), "{told}");
     let (told, periodic) = analyzed("--wrap=off", "off.lib.json");
     assert!(!periodic && !told.contains("borders join"), "{told}");
-    // A part of it does not repeat.
+    // A part of the picture does not repeat.
     folder.write("torus.png", super::support::encode(&part, image::ImageFormat::Png));
     let (told, periodic) = analyzed("", "part.lib.json");
     assert!(!periodic && !told.contains("borders join"), "{told}");

@@ -89,7 +89,7 @@ fn mistakes_in_the_file_are_named() {
         let run = folder.run("synth x.lib.json --config a.toml").fails(2, message);
         assert!(run.stderr.contains(hint), "{content}: {}", run.stderr);
     }
-    // However long the file's lines are, what is said of them is short and on one line.
+    // Messages about very long lines are short and have one line.
     let long = "1".repeat(100_000);
     for content in [
         format!("[synth]\nsize = {long}"),
@@ -113,7 +113,7 @@ fn threads_come_from_the_environment_too() {
         let output = folder.command(arguments).env("VTEX_THREADS", value).output().unwrap();
         (output.status.code(), String::from_utf8(output.stdout).unwrap())
     };
-    // It is not frozen into a file that is made meanwhile.
+    // The variable does not appear in dumped configurations.
     assert!(with("3", "--dump-config").1.contains("\n#threads =\n"));
     assert!(with("3", "doctor --json").1.contains("\"threads\": 3,"));
     assert!(with("3", "doctor --json -t 4").1.contains("\"threads\": 4,"));

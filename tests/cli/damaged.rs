@@ -111,7 +111,7 @@ fn scenes_are_checked_too() {
         folder.run("render bad.scene.json").fails(1, message);
         folder.run("inspect bad.scene.json").fails(1, message);
     }
-    // A picture that no memory holds is refused before it is drawn.
+    // A picture larger than memory is refused before it is drawn.
     let mut large = scene;
     (large["width"], large["height"]) = (json!(100_000), json!(100_000));
     folder.write("large.scene.json", serde_json::to_vec(&large).unwrap());
@@ -130,7 +130,7 @@ fn braces_and_not_the_seal_are_blamed() {
     };
     fails(sealed.trim_end().strip_suffix('}').unwrap().into(), "a } is missing");
     fails(format!("{sealed}}}\n"), "a } is too many");
-    // A brace less within: the seal is then a field of something else.
+    // If a brace is missing, the seal becomes a field of another object.
     let at = sealed.find("}],\"layers\"").unwrap();
     fails(format!("{}{}", &sealed[..at], &sealed[at + 1..]), "line 1");
     fails(

@@ -1,4 +1,4 @@
-//! `vtex edit`, and what `vtex inspect` tells of it.
+//! `vtex edit`, and edits as `vtex inspect` prints them.
 
 use super::support::{Folder, Run};
 use serde_json::json;

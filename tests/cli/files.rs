@@ -1,4 +1,4 @@
-//! Which files are written, replaced, left alone.
+//! Writing, replacing and keeping of files.
 
 #[cfg(unix)]
 use super::support::on_terminal;
@@ -33,7 +33,7 @@ fn the_extension_decides() {
     let scene = folder.read("a.scene.json");
     assert!(is_document(&scene, "vtex-scene"));
     assert_eq!(unpack(&folder.path("a.scene.json.gz")), scene);
-    // A scene read and written again is the same; drawn, it is what synth would have drawn.
+    // A scene is unchanged after reading and writing, and its SVG equals that of `synth`.
     folder.run("render a.scene.json.gz -o b.scene.json").succeeds();
     folder.run("render a.scene.json -o b.svg").succeeds();
     assert_eq!((folder.read("b.scene.json"), folder.read("b.svg")), (scene, svg));
@@ -55,19 +55,19 @@ fn a_terminal_is_asked_before_a_picture_of_another_seed_is_replaced() {
         };
         assert_eq!(ask(&synth(name, 2), "n\n"), (Some(1), true, true));
         assert_eq!(ask(&synth(name, 2), "\n"), (Some(1), true, true));
-        // The same is made again, and another is made where it is forced, without a question.
+        // No question is asked for the same texture, nor with `--force`.
         assert_eq!(ask(&synth(name, 1), ""), (Some(0), false, true));
         assert_eq!(ask(&format!("{} --force", synth(name, 3)), ""), (Some(0), false, false));
         folder.run(&format!("{} -f", synth(name, 1))).succeeds();
         assert_eq!(ask(&synth(name, 2), "y\n"), (Some(0), true, false));
     }
-    // What seeds do not matter to, or say nothing of, is replaced as ever.
+    // Files without a readable seed are replaced without a question.
     for name in ["a.pdf", "a.scene.json"] {
         folder.run(&synth(name, 1)).succeeds();
         let (code, shown) = on_terminal(folder.command(&synth(name, 2)), "");
         assert_eq!((code, shown.contains("[y/N]")), (Some(0), false));
     }
-    // The photograph counts, and several files are one question.
+    // Another photograph is another origin. Several files give one question.
     let texture = "texture photo.png --segmenter regions --size 40 --seed 1 --variants 3 -o t.svg";
     folder.run(texture).succeeds();
     let (code, _) = on_terminal(folder.command(texture), "");
@@ -116,7 +116,7 @@ fn only_files_of_vtex_are_replaced_unless_forced() {
         folder.run(&format!("{analyze} -f")).succeeds();
         folder.run(&analyze).succeeds();
     }
-    // The photograph itself is not vtex's.
+    // A photograph is a foreign file.
     folder.run("render photo.lib.json -o photo.png").fails(1, "exists and was not written by vtex");
     assert_eq!(folder.read("photo.png"), photo());
 }
@@ -156,7 +156,7 @@ fn one_file_never_holds_two_things() {
 fn a_foreign_file_is_noticed_before_the_work() {
     let folder = Folder::new();
     folder.write("photo.texture.svg", "mine");
-    // The photograph is not even opened.
+    // The program fails before it opens the photograph, which does not exist.
     folder.run("texture photo.jpg").fails(1, "'photo.texture.svg' exists");
 }
 
@@ -241,7 +241,7 @@ fn pictures_of_the_stages_are_written() {
     for path in &names {
         image::open(path).unwrap();
     }
-    // A second time they are replaced; a foreign picture is not, and is the reason given.
+    // A second run replaces the pictures, but not a foreign one, and the message names that.
     folder.run("texture photo.png --size 60 --debug-dir stages/here").succeeds();
     std::fs::write(&names[0], photo()).unwrap();
     folder.run("texture photo.png --size 60 --debug-dir stages/here").fails(1, "01-masks.png' exists");
@@ -261,7 +261,7 @@ fn files_that_steer_are_read() {
     folder.run(&format!("texture photo.png --mask ramp.png {steered} -o b.svg")).succeeds();
     let two = "synth photo.lib.json - --map ramp.png --size 60 --seed 1 --json";
     let run = folder.feed(two, &folder.read("photo.lib.json")).succeeds();
-    // Named after the first library, listed with all.
+    // The result is named after the first library; the summary lists all.
     assert_eq!(run.json()["inputs"], serde_json::json!(["photo.lib.json", "-"]));
     assert_eq!(run.json()["output"], "photo.svg");
 }
@@ -278,14 +278,14 @@ fn scenes_are_warped() {
     let run = folder.run("warp a.scene.json photo.lib.json --scale 2x1.5 --json").succeeds().json();
     assert_eq!((&run["size"], &run["seed"]), (&serde_json::json!([120, 90]), &1.into()));
     assert_eq!((&run["output"], &run["command"]), (&"a.warped.svg".into(), &"warp".into()));
-    // Its seed is the scene's: there is none to tell.
+    // The seed is that of the scene, so no seed is printed.
     let said = folder.run("warp a.scene.json photo.lib.json --scale 2").succeeds().stderr;
     assert!(!said.contains("seed:"), "{said}");
     let cages = "--cage square.svg --to bent.svg --seed 5";
     let run =
         folder.run(&format!("warp a.scene.json photo.lib.json {cages} -o b.scene.json --json")).succeeds();
     assert_eq!((&run.json()["size"], &run.json()["seed"]), (&serde_json::json!([80, 70]), &5.into()));
-    // On any number of threads, and of what was warped before.
+    // A warped scene can be warped again, with the same result on any number of threads.
     let again = "warp b.scene.json photo.lib.json --scale 0.9";
     folder.run(&format!("{again} -t 1 -o c.svg")).succeeds();
     folder.run(&format!("{again} -t 4 -o d.svg")).succeeds();
@@ -408,7 +408,7 @@ fn several_outputs_come_of_one_run() {
         assert!(said.contains("3.png: "), "{said}");
         assert!(folder.read("3.svg").starts_with(b"<?xml") && folder.read("3.png").starts_with(b"\x89PNG"));
     }
-    // Of the photograph, its library too; what is piped is one of them.
+    // `texture` also writes the library, and one of the outputs may be a pipe.
     let run = folder.run("texture photo.png --size 50 --seed 1 -o - -o t.lib.json --json").succeeds();
     assert!(run.stdout.starts_with(b"<?xml") && is_document(&folder.read("t.lib.json"), "vtex-library"));
     folder.run("synth photo.lib.json -o a.svg -o ./a.svg").fails(2, "name the same file");
@@ -422,7 +422,7 @@ fn library_and_scene_are_kept_if_asked_for() {
     folder.run("texture photo.png --size 50 --seed 1 --keep").succeeds();
     let names = ["photo.png", "photo.texture.lib.json", "photo.texture.scene.json", "photo.texture.svg"];
     assert_eq!(folder.names(), names);
-    // They make the same picture.
+    // All three give the same picture.
     folder.run("synth photo.texture.lib.json --size 50 --seed 1 -o a.png").succeeds();
     folder.run("render photo.texture.scene.json -o b.png").succeeds();
     folder.run("render photo.texture.svg -o c.png").succeeds();
@@ -445,10 +445,10 @@ fn a_texture_is_made_again_from_what_it_says() {
     folder.run("texture photo.png --again b.svg -o c.svgz").succeeds();
     assert_eq!(unpack(&folder.path("c.svgz")), folder.read("a.svg"));
     folder.run("texture photo.png --again c.svgz -o d.svg --max-bytes 1MB").succeeds();
-    // What else is said wins.
+    // Options of the command line take precedence over the recipe.
     let run = folder.run("texture photo.png --again a.svg -o e.svg --size 63 --json").succeeds();
     assert_eq!(run.json()["size"], serde_json::json!([63, 63]));
-    // Other files are not taken for those of then.
+    // Files that have changed since are refused.
     let turned = image::load_from_memory(&photo()).unwrap().rotate90();
     folder.write("other.png", super::support::encode(&turned, image::ImageFormat::Png));
     folder.run("texture other.png --again a.svg -o f.svg").fails(1, "is not the photograph");
@@ -473,7 +473,7 @@ fn what_a_killed_process_left_is_removed_by_the_next() {
     let mut names: Vec<_> = all.map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
     names.sort();
     assert_eq!(names, [".vtex-notes.txt", "a.svg"]);
-    // Other folders are not looked into.
+    // Other folders are not searched.
     assert!(folder.path(".vtex-0aB9zZ.tmp").exists());
 }
 
@@ -488,7 +488,7 @@ fn an_interrupt_while_a_file_is_made_to_fit_is_one() {
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();
-    // From the first frame on, nearly all of the time goes into making frames fit.
+    // After the first frame, nearly all time is spent on reducing frames.
     while !folder.path("frames/frame_0001.svg").exists() && child.try_wait().unwrap().is_none() {
         std::thread::sleep(Duration::from_millis(5));
     }
@@ -511,10 +511,10 @@ fn variants_are_numbered_by_their_seeds_and_analysed_once() {
     assert_eq!(folder.names(), names);
     let scenes = wanted.map(|name| folder.read(&format!("{name}.svg")));
     assert!(scenes[0] != scenes[1] && scenes[1] != scenes[2]);
-    // The same as of that seed alone, from the same library.
+    // A variant equals the texture of its seed alone, from the same library.
     folder.run("synth out.lib.json -o alone.scene.json --size 90 --seed 8").succeeds();
     assert!(folder.read("alone.scene.json") == folder.read("out-8.scene.json"));
-    // And made again from what it says of itself.
+    // A variant can be made again by its own recipe.
     folder.run("texture photo.png --again out-8.svg -o again.svg").succeeds();
     assert!(folder.read("again.svg") == folder.read("out-8.svg"));
     folder.run("synth out.lib.json -o - --variants 2").fails(2, "several variants");

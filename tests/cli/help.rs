@@ -2,7 +2,7 @@
 
 use super::support::{Folder, vtex};
 
-/// What the program prints for a command line.
+/// The output of the program for a command line.
 fn printed(arguments: &str) -> String {
     Folder::new().run(arguments).succeeds().text().to_owned()
 }
@@ -67,7 +67,7 @@ fn version_names_the_program() {
 
 #[test]
 fn examples_of_the_help_can_be_parsed() {
-    // Everything but the files is accepted: what fails is reading, not the usage.
+    // The examples fail only because their files do not exist.
     for command in commands() {
         let help = printed(&format!("{command} --help"));
         let examples = help.split("Examples:").nth(1).unwrap_or_default();
@@ -102,7 +102,7 @@ fn completions_name_commands_and_options() {
         }
     }
     Folder::new().run("completions tcsh").fails(2, "tcsh");
-    // Values are offered where there are few, not files.
+    // Options with a few values complete these values instead of files.
     let bash = printed("completions bash");
     for (option, values) in [
         ("--edge", "keep clip avoid"),

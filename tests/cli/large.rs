@@ -17,7 +17,7 @@ fn library(folder: &Folder, name: &str) -> Library {
     Library::from_bytes(folder.read(name), name).unwrap()
 }
 
-/// Half of the area of all belongs to elements of less than this size.
+/// The size below which elements make up half of the total area.
 fn across(mut areas: Vec<f64>) -> f64 {
     areas.sort_by(f64::total_cmp);
     let half = areas.iter().sum::<f64>() / 2.0;
@@ -62,7 +62,7 @@ fn a_reduced_photograph_keeps_its_own_pixels() {
     assert!((a / b - 1.0).abs() < 0.25, "elements are {a} px across, not {b}");
     assert!((small.coverage - whole.coverage).abs() < 0.1);
 
-    // A texture of either has elements of the same size, and is as large as it was asked for.
+    // Textures of both libraries have elements of the same size, and the requested canvas.
     let json = folder
         .run("synth small.lib.json -o small.scene.json --size 400x300 --seed 3 --json")
         .succeeds()
@@ -83,14 +83,14 @@ fn a_reduced_photograph_keeps_its_own_pixels() {
     let (a, b) = (size("small.scene.json"), size("whole.scene.json"));
     assert!((a / b - 1.0).abs() < 0.35, "elements are {a} px large, not {b}");
 
-    // Commands that put a scene and its library together know both.
+    // Commands that combine a scene with its library handle the reduction.
     folder.run("warp small.scene.json small.lib.json --stretch 1.3 -o wide.scene.json").succeeds();
     folder.run("metrics small.lib.json small.scene.json").succeeds();
     folder.run("inspect small.lib.json -o page.html").succeeds();
     let edit: Run =
         folder.command("edit small.scene.json -o thin.svg --op").arg("thin 0.5").output().unwrap().into();
     edit.succeeds();
-    // So does a texture of two photographs, of which one was reduced.
+    // A texture of two photographs, one of them reduced, handles it too.
     let ramp = GrayImage::from_fn(64, 8, |x, _| Luma([x as u8 * 4]));
     folder.write("ramp.png", encode(&ramp.into(), ImageFormat::Png));
     folder.run("synth small.lib.json whole.lib.json --map ramp.png -o both.svg --size 200").succeeds();

@@ -44,7 +44,7 @@ fn a_photograph_becomes_a_map_of_any_size() {
     for (wanted, got) in layers["wanted"].as_array().unwrap().iter().zip(layers["got"].as_array().unwrap()) {
         assert!((wanted.as_f64().unwrap() - got.as_f64().unwrap()).abs() < 0.02, "{layers}");
     }
-    // What was saved is read again as a map, and so is the result.
+    // The saved map and the result can be read as layer maps.
     let found = open(&folder, "found.png");
     let same = found.enumerate_pixels().filter(|(x, y, p)| (p.0[2] > 120) == (label(*x, *y) == 0)).count();
     assert!(same > 200 * 180 * 9 / 10, "{same}");
@@ -168,7 +168,7 @@ fn maps_that_are_none_are_refused() {
     folder.run("layers rust.png -o rust.png").fails(2, "name the same file");
     folder.run("layers missing.png").fails(1, "cannot read");
     folder.run("layers").fails(2, "<INPUT>");
-    // Grain has no layers, and the message says why.
+    // Grain has no layers, and the message gives the reason.
     let grain = |x: u32, y: u32| {
         (x.wrapping_mul(x ^ 0x9e37) ^ y.wrapping_mul(y ^ 0x79b9)).wrapping_mul(2_654_435_761)
     };
@@ -241,7 +241,7 @@ fn other_files_are_told_apart() {
 /// A folder with `rust.png` and its library of two layers.
 fn analyzed() -> Folder {
     let folder = surface(2);
-    // The spots of paint are elements here, so layers are asked for.
+    // The spots of paint are elements here, so layers must be requested.
     let arguments = "analyze rust.png --segmenter regions --layers 2 --seed 1 --save-layers found.png --json";
     let summary = folder.run(arguments).succeeds().json();
     assert_eq!(summary["layers"]["names"].as_array().unwrap().len(), 2, "{summary}");
@@ -266,12 +266,12 @@ fn textures_have_the_layers_of_their_photograph() {
     }
     folder.run(&format!("{synth} -o b.svg --threads 1")).succeeds();
     assert_eq!(folder.read("a.svg"), folder.read("b.svg"));
-    // The name of a layer stands for all that is in it.
+    // The name of a stratum denotes all its layers.
     let operation = format!("tint #00f --layer '{name}'");
     let edit = folder.command("edit a.scene.json -o c.svg --op").arg(operation).output().unwrap();
     assert!(edit.status.success(), "{}", String::from_utf8_lossy(&edit.stderr));
     assert_ne!(folder.read("c.svg"), folder.read("a.svg"));
-    // A library has its layers, which can be made anew; without them there is one.
+    // A new map can be made of a library's layers; a library without layers has one.
     folder.run("layers rust.lib.json -o map.png --size 150 --seed 1").succeeds();
     assert_eq!(open(&folder, "map.png").dimensions(), (150, 150));
     folder.run("analyze rust.png --segmenter regions --layers off -o one.lib.json").succeeds();

@@ -107,7 +107,7 @@ fn what_fails_says_why_and_what_to_try() {
         assert!(run.stderr.contains(hint), "{arguments}: {}", run.stderr);
         assert!(run.stdout.is_empty());
     }
-    // Below a file there can be no folder, whoever asks.
+    // A path below a file cannot be written, even by root.
     folder.run("synth photo.lib.json -o photo.png/out.svg").fails(1, "cannot write 'photo.png/out.svg'");
     folder.run("render scene.svg -o other.svg").fails(2, "is an SVG already");
 }
@@ -298,7 +298,7 @@ fn nothing_foreign_acts_on_the_terminal() {
             let output = folder.command("").args(&arguments).args(["--color", colour]).output().unwrap();
             let printed = [output.stdout, output.stderr].concat();
             let printed = String::from_utf8(printed).unwrap();
-            // Our own colours are all that may be left.
+            // Only colours of vtex may remain.
             let printed = printed.replace("\u{1b}[1m\u{1b}[31merror", "error");
             assert!(
                 !printed.contains("\u{1b}[31m") || !printed.contains("[31mx"),
@@ -401,7 +401,7 @@ fn folders_are_taken_with_their_drawings() {
     folder.write("in/garden.svg", include_bytes!("../../examples/drawings/garden.svg"));
     folder.run("synth photo.lib.json --size 60 -o in/result.svg").succeeds();
     folder.run("batch in --out-dir out --size 300").succeeds();
-    // What vtex has written is no exemplar.
+    // Files that vtex has written are not exemplars.
     assert!(folder.path("out/garden.svg").exists() && !folder.path("out/result.svg").exists());
 }
 

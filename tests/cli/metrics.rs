@@ -27,10 +27,10 @@ fn whatever_can_be_drawn_is_compared() {
     assert_eq!(scene["lbp"], png["lbp"]);
     let apart = (scene["emd_rgb"].as_f64().unwrap() - svg["emd_rgb"].as_f64().unwrap()).abs();
     assert!(apart < 1.0, "{apart}");
-    // The library drawn back is nearer to its photograph than another texture of the same.
+    // The reconstruction is nearer to the photograph than a texture.
     let library = compare("photo.lib.json");
     assert!(library["ssim"].as_f64() > scene["ssim"].as_f64());
-    // Drawn twice as large, it is the same again when told so.
+    // At twice the size the measures are the same with `--scale 2`.
     folder.run("render a.scene.json -o twice.png --scale 2").succeeds();
     let twice = folder.run("metrics photo.png twice.png --scale 2 --json").succeeds().json();
     assert_eq!(twice["result_size"], serde_json::json!([96, 80]));
@@ -51,7 +51,7 @@ fn a_library_and_its_scene_are_compared_by_their_elements() {
     );
     let text = folder.run("metrics photo.lib.json a.scene.json").succeeds().text().to_owned();
     assert!(text.contains("coverage") && text.contains("primaries used"), "{text}");
-    // One of another photograph.
+    // A library of another photograph.
     let other = String::from_utf8(folder.read("photo.lib.json")).unwrap();
     let sum = serde_json::from_str::<serde_json::Value>(&other).unwrap()["source"]["sha256"].clone();
     folder.write("other.lib.json", other.replace(sum.as_str().unwrap(), &"0".repeat(64)));

@@ -1,4 +1,4 @@
-//! The program as a user meets it at the shell.
+//! The program as a user runs it in a shell.
 #![cfg(feature = "cli")]
 
 mod animate;

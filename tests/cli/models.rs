@@ -33,7 +33,7 @@ fn models_come_and_go() {
     assert_eq!(folder.read("models/tiny/sam_decoder.onnx"), folder.read("sam_decoder.onnx"));
     folder.run("models verify").succeeds();
 
-    // What is there already is replaced only if asked for.
+    // An existing model is replaced only with `--force`.
     folder.run(PAIR).fails(1, "there is a model 'tiny' already");
     folder.run("models add efficient_both.onnx --engine rten --name tiny --force").succeeds();
     let mut names: Vec<_> =
@@ -168,7 +168,7 @@ fn a_batch_notices_a_changed_network() {
         serde_json::from_str::<serde_json::Value>(&first).unwrap()["status"].as_str().unwrap().to_owned()
     };
     assert_eq!([status(), status()], ["done", "skipped"]);
-    // Weights of the encoder, as far as names tell.
+    // By its name, the file may hold weights of the encoder.
     folder.write("sam_encoder.onnx.data", "more");
     assert_eq!([status(), status()], ["done", "skipped"]);
     folder.write("sam_encoder.onnx", "no network");

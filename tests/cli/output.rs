@@ -29,7 +29,7 @@ fn the_summary_counts_what_was_written() {
     assert_eq!(run.stderr, "");
     let summary = run.json();
     let scene: serde_json::Value = serde_json::from_slice(&folder.read("a.scene.json")).unwrap();
-    // Layers and fields without anything say nothing of it.
+    // Empty layers and fields are left out of a scene's JSON.
     let length = |v: &serde_json::Value| v.as_array().map_or(0, Vec::len);
     assert_eq!(summary["counts"]["primaries"], length(&scene["layers"][2]["instances"]));
     assert_eq!(summary["counts"]["secondaries"], length(&scene["layers"][1]["instances"]));
@@ -54,7 +54,7 @@ fn a_seed_that_was_chosen_is_told_and_stored() {
     let seed: u64 = told.split(' ').next().unwrap().parse().unwrap();
     let scene: serde_json::Value = serde_json::from_slice(&folder.read("a.scene.json")).unwrap();
     assert_eq!(scene["parameters"]["seed"], seed);
-    // With it the same comes out again; the chance that two chosen seeds agree is nil.
+    // The same seed gives the same scene; two random seeds differ.
     folder.run(&format!("synth photo.lib.json --size 60 -o b.scene.json --seed {seed}")).succeeds();
     assert_eq!(folder.read("a.scene.json"), folder.read("b.scene.json"));
     folder.run("synth photo.lib.json --size 60 -o b.scene.json").succeeds();
@@ -93,7 +93,7 @@ fn a_full_disk_behind_stdout_is_reported() {
         assert_eq!(output.status.code(), Some(1), "{arguments}: {stderr}");
         assert!(stderr.starts_with("error: cannot write '-': "), "{arguments}: {stderr}");
     }
-    // Nobody can be told, but the work is done.
+    // The message cannot be written, but the work is done.
     let output = folder.command("synth photo.lib.json --size 50").stderr(full()).output().unwrap();
     assert_eq!(output.status.code(), Some(0));
 }
@@ -103,7 +103,7 @@ fn inspect_tells_the_same_to_people_and_programs() {
     let folder = Folder::with_library();
     folder.run("synth photo.lib.json --size 120 -o a.scene.json.gz --seed 4").succeeds();
     for name in ["photo.lib.json", "a.scene.json.gz"] {
-        // Whatever the name, the content decides.
+        // The content of a file decides, not its name.
         std::fs::copy(folder.path(name), folder.path("plain")).unwrap();
         let json = folder.run("inspect plain --json").succeeds().json();
         let text = folder.run("inspect plain").succeeds().text().to_owned();
@@ -149,7 +149,7 @@ fn pdf_is_written_by_every_command_that_writes_a_scene() {
         "render a.scene.json",
         "render photo.lib.json",
     ] {
-        // Twice: vtex knows its own file and replaces it, by the same bytes.
+        // A second run replaces vtex's own file with the same bytes.
         let run = folder.run(&format!("{command} -o a.pdf --json")).succeeds();
         let bytes = folder.read("a.pdf");
         assert_eq!(run.json()["bytes"], bytes.len());
@@ -167,7 +167,7 @@ fn a_limit_of_bytes_is_kept_and_what_it_cost_is_told() {
     let fine = "render a.scene.json --precision 2";
     let whole = folder.run(&format!("{fine} -o a.svg --pattern b.svg --json")).succeeds().json();
     assert!(whole.get("given_up").is_none());
-    // One decimal less is the first that is given up.
+    // The first reduction is one decimal less.
     folder.run("render a.scene.json --precision 1 -o c.svg --pattern d.svg").succeeds();
     let [most, pattern] = ["c.svg", "d.svg"].map(|name| folder.read(name).len());
     assert!(most < folder.read("a.svg").len() && pattern < folder.read("b.svg").len());
@@ -179,7 +179,7 @@ fn a_limit_of_bytes_is_kept_and_what_it_cost_is_told() {
     assert!(told.contains("given up to make it as small: numbers have 1 decimal"), "{told}");
     folder.run(&format!("{fine} -o e.png --pattern e.svg --max-bytes {pattern}")).succeeds();
     assert_eq!(folder.read("e.svg"), folder.read("d.svg"));
-    // Packed, all of it fits.
+    // The packed file fits without reductions.
     let run = folder.run(&format!("{fine} -o c.svgz --max-bytes {most} --json")).succeeds();
     assert!(run.json().get("given_up").is_none());
 
@@ -216,7 +216,7 @@ fn axes_may_follow_after_a_space() {
 #[test]
 fn eight_colours_are_eight() {
     let folder = Folder::new();
-    // Of many colours: noise over a slope.
+    // A picture of many colours: noise over a gradient.
     let picture = image::RgbImage::from_fn(120, 100, |x, y| {
         let noise = (x.wrapping_mul(2_654_435_761) ^ y.wrapping_mul(2_246_822_519)) >> 9;
         image::Rgb([(2 * x) as u8, (2 * y + noise % 40) as u8, (x / 12 * 25 + noise % 30) as u8])
@@ -225,7 +225,7 @@ fn eight_colours_are_eight() {
     for (options, most) in [("--colors 8", 8), ("--colors 8 --max-paths 40", 8), ("--colors 1", 1)] {
         folder.run(&format!("vectorize photo.png {options} --seed 1 -o a.svg -f")).succeeds();
         let text = String::from_utf8(folder.read("a.svg")).unwrap();
-        // In the drawing, not in the metadata, every # that is no reference begins a colour.
+        // Outside the metadata, every # that is not a reference begins a colour.
         let drawing = text.split("</metadata>").nth(1).unwrap().replace("url(#", "").replace("href=\"#", "");
         let names = drawing.split(['"', ':', ';']).filter(|part| part.starts_with('#'));
         let mut colours: Vec<&str> = names.collect();
@@ -304,7 +304,7 @@ fn sizes_may_have_units() {
     assert_eq!(json["size"], serde_json::json!([150, 118]));
     let svg = String::from_utf8(folder.read("b.svg")).unwrap();
     assert!(svg.contains(r#"width="25.4mm" height="19.981mm" viewBox="0 0 150 118""#), "{}", &svg[..400]);
-    // At the resolution of CSS nothing is said.
+    // At the resolution of CSS no unit is written.
     assert!(String::from_utf8(folder.read("a.svg")).unwrap().contains(r#"width="113" height="113""#));
     folder.run(&format!("{synth} --size 1in --dpi 144 -o c.pdf")).succeeds();
     let pdf = String::from_utf8_lossy(&folder.read("c.pdf")).into_owned();
@@ -340,7 +340,7 @@ fn categories_have_one_name_and_number_everywhere() {
     let known = names("inspect photo.lib.json --json");
     assert!(known.len() > 1 && known.iter().zip(1..).all(|((number, _), k)| *number == k), "{known:?}");
     folder.run("synth photo.lib.json --size 90 --seed 3 -o a.scene.json -o a.svg --css").succeeds();
-    // Colours that change later change no name.
+    // Edits of colours do not change names of categories.
     folder.run("edit a.scene.json -o b.scene.json").fails(2, "nothing says what to do");
     let tint =
         ["edit", "a.scene.json", "-o", "b.scene.json", "-o", "b.svg", "--op", "tint #00ff00 --amount 0.9"];

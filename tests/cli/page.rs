@@ -1,4 +1,4 @@
-//! `vtex inspect -o`: the page, its photograph, and what is refused.
+//! `vtex inspect -o`: the page, its photograph, and refusals.
 
 use super::support::Folder;
 
@@ -19,10 +19,10 @@ fn a_page_shows_what_is_given_and_found() {
     let page = folder.read("report.html");
     assert_eq!(told["bytes"], page.len());
     assert_eq!(pictures(&page), ["photo-0", "textons-0", "result"]);
-    // The order does not matter, nor which of the two files the photograph lies beside.
+    // Neither the order of the files matters, nor beside which of them the photograph is.
     let swapped = folder.run("inspect out.scene.json photo.lib.json -o -").succeeds().stdout;
     assert_eq!(swapped, page);
-    // An own page is replaced, another is not.
+    // A page of vtex is replaced, a foreign one is not.
     folder.run("inspect out.scene.json -o report.html").succeeds();
     folder.write("mine.html", "<!DOCTYPE html>\n<p>mine</p>");
     folder.run("inspect out.scene.json -o mine.html").fails(1, "was not written by vtex");
@@ -39,7 +39,7 @@ fn the_photograph_is_the_one_that_was_analysed() {
     assert_eq!(pictures(&folder.read("none.html")), ["textons-0"]);
     folder.run("inspect photo.lib.json -o moved.html --exemplar moved.png").succeeds();
     assert_eq!(pictures(&folder.read("moved.html")), ["photo-0", "textons-0"]);
-    // A file that has its name only.
+    // Another file with the name of the photograph.
     let mut other = folder.read("moved.png");
     other.push(0);
     folder.write("photo.png", other);

@@ -1,4 +1,4 @@
-//! Photographs that are unusual, end to end.
+//! All stages on unusual photographs.
 
 use super::support::{Folder, encode};
 use image::{DynamicImage, ImageFormat, Rgb, RgbImage, Rgba, RgbaImage};
@@ -29,7 +29,7 @@ fn a_photograph_without_textons_still_gives_a_ground() {
     assert!(svg.contains("id=\"background\""));
     let library = folder.run("analyze slope.png --masks none.masks.png --json").succeeds().json();
     assert_eq!(library["warnings"].as_array().unwrap().len(), 1);
-    // What was warned of is stored, and told again by inspect.
+    // Warnings are stored, and `inspect` prints them.
     let text = folder.run("inspect slope.lib.json").succeeds().text().to_owned();
     assert!(text.contains("warning: no primary element"), "{text}");
 }

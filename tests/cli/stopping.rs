@@ -1,11 +1,11 @@
-//! How the program ends: asked to stop in the midst of anything, or with nobody to write to.
+//! The end of the program: on request at any time, or when its output is closed.
 #![cfg(unix)]
 
 use super::support::{Folder, Run};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// Runs the program, asks it to stop after a while, and gives what came of it and the seconds to its end.
+/// Runs the program and asks it to stop after `after`. Returns its outcome and the seconds until its end.
 fn stopped(folder: &Folder, arguments: &str, after: Duration) -> (Run, f64) {
     let mut child = folder.command(arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     std::thread::sleep(after);
@@ -19,7 +19,7 @@ fn stopped(folder: &Folder, arguments: &str, after: Duration) -> (Run, f64) {
 #[test]
 fn what_another_library_draws_is_ended_too() {
     let folder = Folder::new();
-    // Octaves of noise take some ten seconds, in one call of the library that draws.
+    // Drawing these octaves of noise takes some ten seconds, in one call of the renderer.
     folder.write(
         "noise.svg",
         r#"<svg xmlns="http://www.w3.org/2000/svg" width="300" height="300"><filter id="f" x="0" y="0" width="1" height="1"><feTurbulence baseFrequency=".1" numOctaves="4"/></filter><rect width="300" height="300" filter="url(#f)"/></svg>"#,
@@ -29,7 +29,7 @@ fn what_another_library_draws_is_ended_too() {
     let (run, seconds) = stopped(&folder, line, Duration::from_millis(700));
     assert_eq!(run.code, Some(130), "{}", run.stderr);
     assert!(run.stderr.contains("error: interrupted"), "{}", run.stderr);
-    // Others may keep the machine busy; uninterrupted it takes longer than this.
+    // The bound allows for a busy machine, and is shorter than the uninterrupted run.
     assert!(seconds < 3.0, "{seconds}");
     assert_eq!(folder.names(), names);
 }
@@ -66,6 +66,6 @@ fn what_nobody_can_read_is_an_error() {
             shell(&folder, &format!("\"$VTEX\" {line} >/dev/full")).fails(1, "cannot write '-'");
         }
     }
-    // A reader that has seen enough is none.
+    // A reader that closes the pipe early causes no failure.
     shell(&folder, "\"$VTEX\" --help | head -1").succeeds();
 }

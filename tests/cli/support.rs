@@ -9,7 +9,7 @@ use std::sync::OnceLock;
 /// A folder with a small photograph `photo.png`, in which the program is run.
 pub(crate) struct Folder(tempfile::TempDir);
 
-/// What a run of the program left behind.
+/// The outcome of a run of the program.
 pub(crate) struct Run {
     pub(crate) code: Option<i32>,
     pub(crate) stdout: Vec<u8>,
@@ -62,7 +62,7 @@ impl Folder {
             }
         }
         command.current_dir(self.0.path());
-        // Not the models of whoever runs the tests.
+        // Models of the user who runs the tests are not used.
         command.env("VTEX_MODELS", self.0.path().join("models"));
         command
     }
@@ -79,7 +79,7 @@ impl Folder {
         let mut stdin = child.stdin.take().unwrap();
         let input = input.to_vec();
         let feeder = std::thread::spawn(move || {
-            // The program may end without reading all.
+            // The program may end before it has read all input.
             let _ = stdin.write_all(&input);
         });
         let output = child.wait_with_output().unwrap();
@@ -101,13 +101,13 @@ pub(crate) fn on_terminal(mut command: Command, answer: &str) -> (Option<i32>, S
     let terminal = std::fs::File::options().read(true).write(true).open(name.to_str().unwrap()).unwrap();
     command.stdin(terminal.try_clone().unwrap()).stdout(Stdio::null()).stderr(terminal);
     let mut child = command.spawn().unwrap();
-    // It holds the terminal open, which then would never end.
+    // The command holds the terminal open, so that reading would never end.
     drop(command);
     let mut keys = std::fs::File::from(master);
     let mut screen = keys.try_clone().unwrap();
     let reader = std::thread::spawn(move || {
         let mut shown = Vec::new();
-        // The end of a terminal is an error.
+        // Reading reports the end of a terminal as an error.
         let _ = screen.read_to_end(&mut shown);
         String::from_utf8_lossy(&shown).into_owned()
     });

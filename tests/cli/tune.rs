@@ -14,7 +14,7 @@ fn weights_are_written_beside_the_library_and_used_by_name() {
     let folder = Folder::with_library();
     let run = folder.run(TUNE).succeeds();
     assert!(run.stderr.contains("before") && run.stderr.contains("correlation"), "{}", run.stderr);
-    // Nobody is sent to use what is no better than what there was.
+    // The hint to use the weights is printed only if they are better.
     let kept = run.stderr.contains("no weights were found");
     assert_eq!(!kept, run.stderr.contains("use them with"), "{}", run.stderr);
     assert_eq!(kept, run.stderr.contains("nothing to use"), "{}", run.stderr);
@@ -22,7 +22,7 @@ fn weights_are_written_beside_the_library_and_used_by_name() {
     assert!(is_document(&file, "vtex-weights"));
     let mut tuned: Value = serde_json::from_slice(&file).unwrap();
     assert!(tuned.as_object_mut().unwrap().remove("sha256").is_some());
-    // The same again, on any number of threads.
+    // The result is the same on any number of threads.
     let json = folder.run(&format!("{TUNE} --threads 1 --json")).succeeds().json();
     assert_eq!((&json["tuned"], folder.read("photo.tuned.weights.json")), (&tuned, file));
 
@@ -31,7 +31,8 @@ fn weights_are_written_beside_the_library_and_used_by_name() {
     folder.write("a.toml", "[synth]\nweights = \"tuned\"\n");
     folder.run("texture photo.png --size 60 --config a.toml --seed 1 -o b.scene.json").succeeds();
     assert_eq!(weights(&folder.read("b.scene.json")), tuned["weights"]);
-    // Numbers win over the name in the file, and nothing is used unless asked for.
+    // Weights of the command line take precedence over the name in the file, and tuned weights are used only
+    // on request.
     folder
         .run("synth photo.lib.json --size 60 --config a.toml --weights=1,0,0,0,0 -o c.scene.json")
         .succeeds();

@@ -1,4 +1,4 @@
-//! The page in headless Chromium, used by clicking. Skipped, and said so, where there is none.
+//! Clicks through the page in headless Chromium. Skipped with a note if it is not installed.
 
 use super::subject::{made, page};
 use serde_json::Value;
@@ -43,7 +43,7 @@ fn click(browser: &Path, page: &str) -> (Value, Vec<String>) {
     (serde_json::from_str(&outcome.replace("&amp;", "&")).unwrap(), console.collect())
 }
 
-/// A triangle, in which primaries stay whole.
+/// A triangle whose edge keeps primaries whole.
 fn domain() -> Domain {
     let mut path = BezPath::new();
     path.move_to((20.0, 20.0));
@@ -75,14 +75,14 @@ fn the_page_works_by_clicking() {
     assert_eq!(console, Vec::<String>::new(), "{seen}");
     assert_eq!(seen["errors"], Value::Array(Vec::new()), "{seen}");
     assert_eq!(seen["panes"], serde_json::json!(["Exemplar", "Reconstruction", "Result"]));
-    // Every layer and a category change what is seen, and what is switched on again is as it was.
+    // Switching off each layer and a category changes the picture, and switching it on again restores it.
     for layer in ["background", "secondary", "primary", "details", "ellipses", "category"] {
         assert!(seen["changed"][layer].as_f64().unwrap() > 0.0, "{layer}: {seen}");
     }
     assert_eq!(seen["restored"], 0, "{seen}");
     assert_eq!(seen["slider"], serde_json::json!([50, 52, 75]), "{seen}");
     assert!(seen["clip"].as_str().unwrap().contains("75%"), "{seen}");
-    // Zoom is the same for all; so is movement, as far as there is room.
+    // All pictures have the same zoom, and the same position as far as there is room.
     assert!(seen["zoomed"].as_f64().unwrap() > 1.2, "{seen}");
     assert_eq!(seen["scales"], 1, "all pictures have one scale: {seen}");
     assert!(seen["moved"].as_f64().unwrap() > 10.0, "{seen}");
@@ -102,7 +102,7 @@ fn the_page_works_by_clicking() {
         assert!(seen["changed"]["primary"].as_f64().unwrap() > 0.0, "{seen}");
         let edited = text.contains("shadow --length 3");
         assert_eq!(seen["edits"], usize::from(edited), "{seen}");
-        // Without its details a primary keeps the line around it, and hides no more of others.
+        // Without details a primary keeps its outline stroke and hides no more of others.
         let [with, without] = [0, 1].map(|k| seen["lines"][k].as_u64().unwrap());
         assert!(without >= with && (with > 0) == edited, "{seen}");
     }

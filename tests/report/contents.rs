@@ -1,4 +1,4 @@
-//! What stands in the page.
+//! The content of the page.
 
 use super::subject::{NAME, made, page};
 use base64::Engine;
@@ -30,7 +30,7 @@ fn parts(page: &str) -> Parts {
         }
         (n.attribute("id").unwrap().to_owned(), unpacked)
     });
-    // One script that runs, wherever the data would like another.
+    // There is a single script, although the data contain markup of another.
     assert_eq!(scripts.iter().filter(|n| n.attribute("type").is_none()).count(), 1);
     Parts { data: serde_json::from_str(data.text().unwrap()).unwrap(), files: files.collect() }
 }
@@ -44,7 +44,7 @@ impl Parts {
         &self.files.iter().find(|(known, _)| known == id).unwrap_or_else(|| panic!("no {id}")).1
     }
 
-    /// The text of an SVG, which must be one.
+    /// The text of an SVG, which is checked to be well-formed.
     fn picture(&self, id: &str) -> &str {
         let text = std::str::from_utf8(self.file(id)).unwrap();
         roxmltree::Document::parse(text).unwrap();
@@ -56,21 +56,21 @@ fn sum(values: &Value, key: &str) -> f64 {
     values.as_array().unwrap().iter().map(|v| v[key].as_f64().unwrap()).sum()
 }
 
-/// That every texton can be cut out of its picture, as the page's script does.
+/// Checks that every texton can be cut out of its picture, as the page's script does.
 fn check_textons(parts: &Parts, group: &Value) {
     let picture = parts.picture(group["picture"].as_str().unwrap());
     for texton in group["textons"].as_array().unwrap() {
         let begin = format!("<g id=\"p{}\" class=\"category-{}\"", texton["id"], texton["category"]);
         let found = picture.split_once(&begin).unwrap_or_else(|| panic!("no {begin}")).1;
         let mut inside = found.split_once('>').unwrap().1;
-        // Soft ellipses are a group of their own.
+        // Soft ellipses are in a group of their own.
         let end = match (inside.find("</g>").unwrap(), inside.find("<g ")) {
             (first, Some(group)) if group < first => first + 4 + inside[first + 4..].find("</g>").unwrap(),
             (first, _) => first,
         };
         inside = &inside[..end];
         assert!(inside.contains("<path ") && inside.matches("<g ").count() <= 1, "{inside}");
-        // What it refers to is a part of it, or a brush on a line of its own.
+        // References lead to parts of the texton, or to a brush on its own line.
         for link in inside.split("xlink:href=\"#").skip(1).map(|rest| rest.split_once('"').unwrap().0) {
             let brush = format!("\n<radialGradient id=\"{link}g\" ");
             assert!(
@@ -82,7 +82,7 @@ fn check_textons(parts: &Parts, group: &Value) {
     }
 }
 
-/// That the page's script can take a picture apart into its layers, each with its definitions.
+/// Checks that the page's script can split a picture into its layers, each with its definitions.
 fn check_layers(picture: &str) {
     let (_, rest) = picture.split_once("<defs>").unwrap();
     let (definitions, rest) = rest.split_once("</defs>").unwrap();
@@ -237,7 +237,7 @@ fn a_photograph_is_told_by_its_sum() {
         assert!(reason.contains("SHA-256"), "{reason}");
         assert_eq!(warnings.len(), usize::from(given));
     }
-    // Another name is no obstacle.
+    // A photograph with another name is recognised.
     let (text, warnings) = page(&made.libraries, None, &[Photo::new("moved.png", made.photo.clone(), true)]);
     assert_eq!((parts(&text).ids(), warnings.len()), (vec!["photo-0", "textons-0"], 0));
 }
@@ -263,7 +263,7 @@ fn a_scene_is_compared_only_with_what_it_was_made_from() {
     let made = made();
     let mut stranger = made.libraries[0].clone();
     stranger.content.source.sha256 = "f".repeat(64);
-    // As if it came from another library of the same photograph.
+    // The element is changed as if it came from another library of the same photograph.
     let mut other = made.scene.clone();
     let primaries = &made.libraries[0].content.primaries();
     let element = other.content.elements.iter_mut().find(|e| e.category.is_some()).unwrap();

@@ -1,4 +1,4 @@
-//! The page for people who would rather look: whole, closed, true, and usable in a browser.
+//! The HTML page: complete, self-contained, correct, and usable in a browser.
 
 mod browser;
 mod contents;

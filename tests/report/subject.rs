@@ -1,4 +1,4 @@
-//! What the pages of the tests are about: a small photograph, its library and a scene.
+//! The subject of the tests' pages: a small photograph, its library and a scene.
 
 use std::io::Cursor;
 use std::sync::OnceLock;
@@ -8,17 +8,17 @@ use vtex::report::{self, Named, Photo, Subject};
 use vtex::scene::{Scene, SynthParams};
 use vtex::segment::Regions;
 
-/// A name that would do harm if it were not escaped everywhere.
+/// A name that breaks the page unless it is escaped everywhere.
 pub(crate) const NAME: &str = "</script><script>alert(1)</script> \"it's\" & <!-- ]]> {{data}}.png";
 
-/// All that a page can be about.
+/// Everything that a page can show.
 pub(crate) struct Made {
     pub(crate) photo: Vec<u8>,
     pub(crate) libraries: Vec<Named<Library>>,
     pub(crate) scene: Named<Scene>,
 }
 
-/// The middle of a self-made exemplar, analysed and made anew, once.
+/// Analysis and synthesis of the middle of a generated exemplar, done once.
 pub(crate) fn made() -> &'static Made {
     static MADE: OnceLock<Made> = OnceLock::new();
     MADE.get_or_init(|| {
@@ -41,13 +41,13 @@ pub(crate) fn made() -> &'static Made {
 }
 
 impl Made {
-    /// The photograph, as it is found beside the library.
+    /// The photograph, as found beside the library.
     pub(crate) fn photos(&self) -> Vec<Photo> {
         vec![Photo::new(NAME, self.photo.clone(), false)]
     }
 }
 
-/// The page, and what was warned of.
+/// The page and its warnings.
 pub(crate) fn page(
     libraries: &[Named<Library>],
     scene: Option<&Named<Scene>>,

@@ -1,4 +1,4 @@
-//! What several tests work on.
+//! Inputs that several tests use.
 
 use std::path::Path;
 use vtex::analyze::{AnalyzeParams, Exemplar, Limits, analyze};
@@ -10,7 +10,7 @@ pub(crate) fn library(name: &str) -> Library {
     library_with(name, &AnalyzeParams::default())
 }
 
-/// The same, analysed with other parameters.
+/// [`library`] with other parameters of the analysis.
 pub(crate) fn library_with(name: &str, params: &AnalyzeParams) -> Library {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("examples/exemplars/{name}.png"));
     let whole = image::open(path).unwrap().into_rgb8();

@@ -24,8 +24,7 @@ pub trait Document: Serialize + DeserializeOwned {
 
     /// Checks the invariants that types cannot express.
     ///
-    /// # Errors
-    /// The first invariant broken, in words.
+    /// # Errors A description of the first broken invariant.
     fn validate(&self) -> std::result::Result<(), String>;
 }
 
@@ -127,11 +126,11 @@ fn braces(json: &[u8]) -> Option<String> {
     })
 }
 
-/// A message of the reader without its list of names, if that is long.
+/// Removes a long list of expected names from a message of the JSON reader.
 pub fn without_list(message: String) -> String {
     const MOST: usize = 8;
     let Some((before, rest)) = message.split_once(", expected one of ") else { return message };
-    // The names are in backquotes; the place follows the last of them.
+    // The names are in backquotes. After the last of them stands the place in the file.
     let (names, place) = rest.rsplit_once('`').unwrap_or((rest, ""));
     if names.matches("`, `").count() < MOST { message } else { format!("{before}{place}") }
 }
@@ -144,7 +143,7 @@ struct Header {
 }
 
 impl Header {
-    /// Reads only up to the second of the fields: they come first, and the rest is read with the document.
+    /// Stops after the second of the fields, which come first; the rest is read with the document.
     fn of(json: &[u8]) -> serde_json::Result<Self> {
         let mut header = Self::default();
         let read = HeaderVisitor(&mut header).deserialize(&mut serde_json::Deserializer::from_slice(json));

@@ -26,7 +26,7 @@ pub enum Error {
         /// The system's reason.
         source: std::io::Error,
     },
-    /// The file exists and vtex did not write it, or not as it is.
+    /// The file exists, and vtex did not write it or it was changed since.
     #[error("'{}' exists and was {}", path.display(), if *changed { "changed since vtex wrote it" } else { "not written by vtex" })]
     Exists {
         /// The file.
@@ -94,7 +94,7 @@ pub enum Error {
         /// The range allowed.
         allowed: Cow<'static, str>,
     },
-    /// A texture that repeats has no room for whole periods of its lattice.
+    /// A texture that repeats has no room for whole periods of the lattice.
     #[error("a texture of {width} x {height} px that repeats does not hold whole periods of its lattice{}",
         nearest.map_or(String::new(), |[w, h]| format!(": {w} x {h} px does")))]
     Periods {
@@ -105,7 +105,7 @@ pub enum Error {
         /// The nearest size that holds whole periods, if one is near.
         nearest: Option<[u32; 2]>,
     },
-    /// A texture that repeats is not to hold whole periods of its drawing.
+    /// The size of a texture that repeats is not a whole number of periods of its drawing.
     #[error(
         "size = {}x{} (the drawing repeats every {}x{} px; {}x{} is near) is out of range: \
          a whole number of the drawing's periods where it is to repeat without a seam",
@@ -144,10 +144,10 @@ pub enum Error {
     /// The caller asked to stop (see [`crate::Progress`]).
     #[error("interrupted")]
     Interrupted,
-    /// Two cages do not make a map of the plane.
+    /// Two cages do not define a map of the plane.
     #[error("the cages do not correspond: {0}")]
     Cages(String),
-    /// A file that steers synthesis does not hold what it is used for.
+    /// The content of a file that steers synthesis does not suit its use.
     #[error("'{name}' cannot be used as {role}: {reason}")]
     Control {
         /// File name.
@@ -159,7 +159,7 @@ pub enum Error {
         /// A hint, as [`Error::hint`] gives it.
         advice: &'static str,
     },
-    /// A drawing holds something that vtex does not draw, and that analysis may be told to leave out.
+    /// A drawing contains an element that vtex does not draw; analysis can leave it out on request.
     #[error("'{name}' cannot be used as a drawing: {reason}")]
     Undrawable {
         /// File name.
@@ -211,7 +211,7 @@ pub enum Error {
         /// Its fault.
         fault: EditFault,
     },
-    /// Nothing that can be given up makes a file small enough.
+    /// No reduction makes a file small enough.
     #[error("no SVG of the scene fits in {most} bytes: the smallest has {smallest}")]
     MaxBytes {
         /// The bytes allowed.
@@ -225,7 +225,7 @@ pub enum Error {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Large {
-    /// A file, whatever it holds.
+    /// A file of any kind.
     File,
     /// A picture that is read or drawn.
     Picture,
@@ -249,22 +249,22 @@ pub enum EditFault {
         /// The range allowed.
         allowed: String,
     },
-    /// Thinning is told neither a share nor a smallest area.
+    /// Thinning has neither a share nor a smallest area.
     #[error("nothing says how much to keep")]
     NothingKept,
     /// Jitter changes neither place nor angle nor size.
     #[error("nothing says what to change")]
     NothingChanged,
-    /// Of several parameters one has to be given, and no more.
+    /// Exactly one of several parameters must be given.
     #[error("one of {0} is needed, and only one")]
     NotOneOf(&'static str),
-    /// Elements are to be like another, and nothing says like which.
+    /// Similar elements are selected, but no element to compare them with is given.
     #[error("nothing says what the others are like")]
     LikeNothing,
     /// Only colours of the background can be changed.
     #[error("it cannot be done to the background")]
     NotForBackground,
-    /// A condition on something that points of the background do not have.
+    /// A condition on a property that points of the background do not have.
     #[error("the background has no categories, areas and the like")]
     BackgroundCondition,
     /// No layer of the scene has the name or role that the operation is for.
@@ -275,7 +275,7 @@ pub enum EditFault {
         /// The names of the scene's layers.
         known: Vec<String>,
     },
-    /// More would be drawn on elements than a scene is to hold.
+    /// More lines and curves would be drawn on elements than a scene may hold.
     #[error(
         "{lines} lines and curves on each of {elements} elements are too many: {most} are the most in all"
     )]
@@ -287,10 +287,10 @@ pub enum EditFault {
         /// The most allowed.
         most: usize,
     },
-    /// The content of a file that the operation names is not given.
+    /// The content of a file that the operation names is missing.
     #[error("the content of '{0}' is not given")]
     NoFile(String),
-    /// The scene that comes of it breaks the invariants of scenes.
+    /// The resulting scene breaks the invariants of scenes.
     #[error("it leads too far: {0}")]
     TooFar(String),
 }
@@ -368,7 +368,7 @@ impl Error {
     }
 }
 
-/// For writers that fail for other reasons too. [`Error::write`] gives the error back.
+/// For writers, which return [`std::io::Error`]. [`Error::write`] extracts the error again.
 impl From<Error> for std::io::Error {
     fn from(error: Error) -> Self {
         Self::other(error)
@@ -391,7 +391,7 @@ pub fn check(
     if ok { Ok(()) } else { Err(refused()) }
 }
 
-/// Does work of another library; what it said, if it panicked.
+/// Runs code of another library; a panic becomes an error with its message.
 pub fn caught<T>(work: impl FnOnce() -> T) -> Result<T, String> {
     std::panic::catch_unwind(std::panic::AssertUnwindSafe(work)).map_err(|panic| {
         let said = panic.downcast_ref::<String>().map(String::as_str);
@@ -399,7 +399,7 @@ pub fn caught<T>(work: impl FnOnce() -> T) -> Result<T, String> {
     })
 }
 
-/// A number as few digits tell it.
+/// A number with few digits, for messages.
 fn short(value: &str) -> String {
     match value.parse::<f64>() {
         Ok(number) if value.len() > 16 => format!("{number:e}"),

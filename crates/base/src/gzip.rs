@@ -6,8 +6,8 @@ use std::io::Read;
 
 /// Number of unpacked bytes that is always allowed.
 const ALWAYS: u64 = 64_000_000;
-/// Beyond [`ALWAYS`], the largest ratio of unpacked to packed bytes. Libraries, scenes and SVGs of vtex are
-/// packed to a third to a tenth; gzip itself reaches 1000.
+/// Largest ratio of unpacked to packed bytes above [`ALWAYS`]. For libraries, scenes and SVGs of vtex the
+/// ratio is 3 to 10; gzip can reach 1000.
 const RATIO: u64 = 32;
 
 /// Whether bytes begin as gzip does.
@@ -15,10 +15,10 @@ pub fn is_packed(bytes: &[u8]) -> bool {
     bytes.starts_with(&[0x1f, 0x8b])
 }
 
-/// The bytes themselves, unpacked if they are gzip; of gzip no more than `limit` bytes.
+/// Unpacks gzip, to at most `limit` bytes; other bytes are returned as they are.
 ///
-/// # Errors
-/// In words: damaged data, or more than 64 MB that are also more than 32 times the packed bytes.
+/// # Errors A description: damaged data, or data that unpack to more than 64 MB and to more than 32 times the
+/// packed bytes.
 pub fn unpack<'a>(bytes: impl Into<Cow<'a, [u8]>>, limit: u64) -> Result<Cow<'a, [u8]>, String> {
     let bytes = bytes.into();
     if !is_packed(&bytes) {

@@ -43,7 +43,7 @@ fn distance2<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
     a.iter().zip(b).map(|(x, y)| (x - y) * (x - y)).sum()
 }
 
-/// Share by which bounds are taken wider than they come out, so that rounding never misleads.
+/// Share by which computed bounds are widened, so that they hold in spite of rounding.
 const ROUNDING: f64 = 1e-9;
 
 /// A point's cluster, with bounds that tell whether another centre can be nearer after centres have moved

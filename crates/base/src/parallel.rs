@@ -3,7 +3,7 @@
 //! Results are in the order of the input, so values computed from them do not depend on the number of
 //! threads. Nothing here reduces across threads.
 
-/// Number of pieces of work per thread, so that no thread waits long for the last piece.
+/// Number of pieces of work per thread; several, so that no thread waits long for the last piece.
 #[cfg(feature = "parallel")]
 const PIECES: usize = 32;
 
@@ -23,8 +23,8 @@ pub fn map<T: Sync, R: Send>(items: &[T], f: impl Fn(&T) -> R + Sync + Send) -> 
     all
 }
 
-/// Runs every piece of work from 0 up to `count`. It is not generic, so that this code and rayon's are
-/// compiled once, not for each of some hundred closures.
+/// Runs `work` for every number from 0 to `count - 1`. The function is not generic, so that it and rayon's
+/// code are compiled once instead of once per closure.
 #[cfg(feature = "parallel")]
 fn for_each(count: usize, work: &(dyn Fn(usize) + Sync)) {
     use rayon::prelude::*;

@@ -8,11 +8,11 @@ use std::fmt::{self, Display};
 pub struct Parameter<T> {
     /// Its name, with hyphens between words.
     pub name: &'static str,
-    /// The least and the most that it may be.
+    /// The smallest and the largest permitted value.
     pub range: [T; 2],
     /// Its unit; empty for plain numbers.
     pub unit: &'static str,
-    /// What it is unless it is given, if that is a number.
+    /// Its default, if that is a number.
     pub default: Option<T>,
 }
 

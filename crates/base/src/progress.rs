@@ -35,7 +35,7 @@ pub fn advance(progress: &dyn Progress, stage: &'static str, done: u64, total: u
     if progress.advance(stage, done, total) { Ok(()) } else { Err(Error::Interrupted) }
 }
 
-/// Tasks that run side by side. One of them reports; the others can be stopped.
+/// Tasks that run in parallel. One of them reports progress; all can be stopped.
 pub struct SideBySide<'a> {
     progress: &'a dyn Progress,
     /// The last report.
@@ -48,7 +48,7 @@ impl<'a> SideBySide<'a> {
         Self { progress, last: Mutex::new((stage, 0, 0)) }
     }
 
-    /// For a task whose stages are not reported.
+    /// A handle for a task whose stages are not reported.
     pub fn silent(&self) -> Silent<'_> {
         Silent(self)
     }

@@ -28,8 +28,8 @@ impl Symmetric {
         Self::new(self.size, |i, j| (0..self.size).map(|k| self.at(i, k) * other.at(k, j)).sum())
     }
 
-    /// The square root of a symmetric matrix without negative eigenvalues; such as come from
-    /// rounding count as 0.
+    /// The square root of a positive semidefinite matrix. Negative eigenvalues, which come from rounding,
+    /// count as 0.
     pub fn square_root(&self) -> Self {
         let (values, vectors) = self.eigen();
         let roots: Vec<f64> = values.iter().map(|v| libm::sqrt(v.max(0.0))).collect();

@@ -1,4 +1,4 @@
-//! SVG read: drawings as exemplars, shapes and maps that steer synthesis.
+//! Reads SVGs and pictures: drawings as exemplars, and shapes and maps that steer synthesis.
 
 pub mod control;
 pub mod import;

@@ -16,15 +16,15 @@ use vtex_base::gzip;
 /// Largest SVG read, unpacked, in bytes.
 const LARGEST_TEXT: usize = 1 << 30;
 
-/// Bytes by which an SVG is recognised.
+/// Number of bytes in which an SVG is recognised.
 const HEAD: usize = 4096;
 
-/// Furthest place of a shape, in pixels of the picture: beyond some 10⁹ curves cannot be drawn.
+/// Largest coordinate of a shape, in pixels of the picture: curves beyond some 10⁹ cannot be drawn.
 const FURTHEST: f32 = 1e8;
 
-/// Most dashes of all strokes: some four seconds.
+/// Largest number of dashes of all strokes, which take some four seconds to draw.
 const MOST_DASHES: f64 = 1e6;
-/// Most pairs of lines of one path that may cross: some ten seconds.
+/// Largest number of pairs of lines of one path that may cross, which take some ten seconds to draw.
 const MOST_CROSSINGS: f64 = 1e9;
 
 /// Why an SVG is not read or drawn.
@@ -68,8 +68,7 @@ pub(crate) fn parse(bytes: &[u8], name: &str, fail: impl Fn(SvgFault) -> Error) 
 
 /// The text of an SVG or SVGZ.
 ///
-/// # Errors
-/// The error that `fail` makes of the reason if it is damaged or not UTF-8; [`Error::TooLarge`] beyond 1 GiB.
+/// # Errors `fail` of the reason if the bytes are damaged or not UTF-8; [`Error::TooLarge`] beyond 1 GiB.
 pub fn text(bytes: &[u8], name: &str, fail: impl Fn(SvgFault) -> Error) -> Result<String> {
     let bytes = gzip::unpack(bytes, LARGEST_TEXT as u64 + 1).map_err(|reason| fail(reason.into()))?;
     if bytes.len() > LARGEST_TEXT {
@@ -86,8 +85,7 @@ pub fn text(bytes: &[u8], name: &str, fail: impl Fn(SvgFault) -> Error) -> Resul
 
 /// The XML of a text.
 ///
-/// # Errors
-/// Where it is not well formed.
+/// # Errors A text that is not well formed.
 pub fn document(text: &str) -> Result<roxmltree::Document<'_>, SvgFault> {
     if text.trim().is_empty() {
         return Err(String::from("it is empty").into());
@@ -105,7 +103,7 @@ pub fn tree(document: &roxmltree::Document<'_>) -> Result<usvg::Tree, SvgFault> 
     tree_of(document, || None)
 }
 
-/// The same, with an empty drawing in place of raster images and other files.
+/// As [`tree`], with an empty drawing in place of raster images and other files.
 ///
 /// # Errors
 /// As [`tree`].
@@ -168,7 +166,7 @@ fn fault(document: &roxmltree::Document<'_>, error: usvg::Error) -> SvgFault {
     SvgFault { reason, advice }
 }
 
-/// The most elements within one another.
+/// Largest nesting depth of elements.
 fn depth(document: &roxmltree::Document<'_>) -> usize {
     let mut depths = Vec::new();
     for node in document.descendants() {
@@ -329,7 +327,7 @@ mod tests {
         let rules: String = (0..30_000).map(|k| format!(".a{k}{{fill:#00f}}")).collect();
         let many = format!("<style>*{{{}}}</style>{}", "fill:red;".repeat(3_000), "<g/>".repeat(30_000));
         let list = format!("<style>{}{{{}}}</style>", "g,".repeat(60_000), "fill:red;".repeat(9_000));
-        // Few elements, each used often.
+        // Few elements, each of them used often.
         let used = format!(
             "<style>{}</style><g id='a'>{}</g>{}",
             &rules[..rules.len() / 15],

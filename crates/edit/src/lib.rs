@@ -1,4 +1,4 @@
-//! Scenes changed: operations, transfer to other shapes and pictures, interpolation, flow.
+//! Changes scenes: operations, transfer of appearance, interpolation, flow.
 
 pub mod edit;
 pub mod flow;

@@ -1,4 +1,4 @@
-//! Fields of correspondences: which place of an exemplar each place of a canvas comes from.
+//! Correspondence fields and what is made with them: layer maps and pixel-based textures.
 
 pub mod correspondence;
 pub mod layers;

@@ -10,9 +10,9 @@ use vtex_scene::scene::{CategoryId, LibraryId, Scene};
 /// Height of the bands counted at a time, in pixels.
 const BAND: u32 = 256;
 
-/// Number of pixels, of those that [`inside`] counts, in which a primary of a category is on top:
-/// by library and category, in order. Pixels are counted by their centres. Categories without a
-/// texton in the scene are left out.
+/// For each library and category, in order, the number of pixels on which a primary of the category is on
+/// top, among those that [`inside`] counts. Pixels are counted by their centres. Categories without a texton
+/// in the scene are left out.
 pub fn coverage(scene: &Scene) -> BTreeMap<(LibraryId, CategoryId), u64> {
     let mut pixels: BTreeMap<(LibraryId, CategoryId), u64> = BTreeMap::new();
     for element in &scene.elements {

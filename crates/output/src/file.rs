@@ -16,7 +16,7 @@ use tempfile::NamedTempFile;
 use vtex_base::error::{Error, Result};
 use vtex_base::gzip;
 
-/// The content of a file, by its name.
+/// The content of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
     /// `.svg`, `.svgz`.
@@ -31,12 +31,12 @@ pub enum Format {
     Library,
 }
 
-/// The content of a file, and whether it is packed.
+/// The content of a file, and whether it is packed as gzip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FileKind {
-    /// Its content.
+    /// The content.
     pub format: Format,
-    /// Whether that is packed as gzip.
+    /// Whether the content is packed.
     pub gzip: bool,
 }
 
@@ -90,10 +90,10 @@ pub fn write_file<T>(
         }
         if !old.is_file() {
             let out = File::options().write(true).open(path).map_err(fail)?;
-            return sealed(path, &out, content);
+            return write_sealed(path, &out, content);
         }
         if !force {
-            match found(path)? {
+            match existing_file(path)? {
                 ExistingFile::Ours => {}
                 other => {
                     let changed = other == ExistingFile::Changed;
@@ -107,20 +107,20 @@ pub fn write_file<T>(
     // Reports the system's error if the folder does not exist.
     fs::metadata(folder_of(&target)).map_err(fail)?;
     // The error is reported without the temporary name, which means nothing to the user.
-    let temporary = temporary(folder_of(&target)).map_err(|e| fail(e.kind().into()))?;
+    let temporary = new_temporary(folder_of(&target)).map_err(|e| fail(e.kind().into()))?;
     let _unfinished = Unfinished::new(temporary.path());
-    let written = sealed(path, temporary.as_file(), content)?;
+    let written = write_sealed(path, temporary.as_file(), content)?;
     if let Some(old) = old {
         temporary.as_file().set_permissions(old.permissions()).map_err(fail)?;
     }
-    // Some disks say only now that they are full.
+    // Some file systems report a full disk only here.
     temporary.as_file().sync_all().map_err(fail)?;
     temporary.persist(&target).map_err(|e| fail(e.error))?;
     Ok(written)
 }
 
-/// Writes content, sealed, to an open file.
-fn sealed<T>(
+/// Writes content, sealed, to an open file; `path` is for errors.
+fn write_sealed<T>(
     path: &Path,
     file: &File,
     content: impl FnOnce(&mut dyn Write) -> io::Result<T>,
@@ -158,9 +158,9 @@ fn folder_of(path: &Path) -> &Path {
 const PREFIX: &str = ".vtex-";
 const SUFFIX: &str = ".tmp";
 
-/// A new file beside what it is to replace. It is locked as long as it is open, which tells other processes
-/// that it is being written.
-fn temporary(folder: &Path) -> io::Result<NamedTempFile> {
+/// Creates a temporary file. It is locked as long as it is open, which tells other processes that it is being
+/// written.
+fn new_temporary(folder: &Path) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(PREFIX).suffix(SUFFIX);
     #[cfg(unix)]
@@ -230,46 +230,51 @@ enum ExistingFile {
     Foreign,
 }
 
-/// The kind of a file: by its seal, else by its beginning.
-fn found(path: &Path) -> Result<ExistingFile> {
+/// Distinguishes files by their seal, else by their beginning.
+fn existing_file(path: &Path) -> Result<ExistingFile> {
     let file = File::open(path).map_err(|e| Error::read(path, e))?;
     if seal::is_whole(file).map_err(|e| Error::read(path, e))? {
         Ok(ExistingFile::Ours)
-    } else if is_begun(path)? {
+    } else if begins_as_own(path)? {
         Ok(ExistingFile::Changed)
     } else {
         Ok(ExistingFile::Foreign)
     }
 }
 
-/// Whether the beginning of a file is vtex's: that of an SVG or a page of vtex, a JSON document whose first
+/// Whether a file begins as vtex begins it: as an SVG or a page of vtex, a JSON document whose first
 /// field is `"format": "vtex-…"`, one of these packed, or a PNG, GIF or PDF whose text chunk, comment or
 /// information names vtex.
-fn is_begun(path: &Path) -> Result<bool> {
-    const ENOUGH: usize = 4096;
+fn begins_as_own(path: &Path) -> Result<bool> {
+    const HEAD: usize = 4096;
     let mut start = Vec::new();
     let file = File::open(path).map_err(|e| Error::read(path, e))?;
-    (&file).take(ENOUGH as u64).read_to_end(&mut start).map_err(|e| Error::read(path, e))?;
+    (&file).take(HEAD as u64).read_to_end(&mut start).map_err(|e| Error::read(path, e))?;
     if start.starts_with(b"%PDF-") {
         let mut whole = start;
         (&file).read_to_end(&mut whole).map_err(|e| Error::read(path, e))?;
         return Ok(whole.windows(16).any(|w| w == b"/Producer (vtex "));
     }
     if start.starts_with(b"GIF89a") {
-        return Ok(is_gif(&start));
+        return Ok(is_own_gif(&start));
     }
     // The data may be cut off; only the beginning matters.
-    let start = gzip::beginning(&start, ENOUGH);
-    let begins = |how: &str| start.starts_with(how.as_bytes());
-    Ok(begins(super::svg::BEGINNING) || begins(PAGE_BEGINNING) || is_document(&start) || is_png(&start))
+    let start = gzip::beginning(&start, HEAD);
+    let begins = |text: &str| start.starts_with(text.as_bytes());
+    Ok(begins(super::svg::BEGINNING)
+        || begins(PAGE_BEGINNING)
+        || is_own_document(&start)
+        || is_own_png(&start))
 }
 
-fn is_document(start: &[u8]) -> bool {
+/// Whether the first field of a JSON document is `"format": "vtex-…"`.
+fn is_own_document(start: &[u8]) -> bool {
     let mut rest = start.iter().filter(|b| !b.is_ascii_whitespace());
     b"{\"format\":\"vtex-".iter().all(|expected| rest.next() == Some(expected))
 }
 
-fn is_png(start: &[u8]) -> bool {
+/// Whether a text chunk of a PNG names vtex.
+fn is_own_png(start: &[u8]) -> bool {
     let Some(mut rest) = start.strip_prefix(b"\x89PNG\r\n\x1a\n") else { return false };
     // Length, type, data, checksum.
     while let Some((head, after)) = rest.split_at_checked(8) {
@@ -283,8 +288,8 @@ fn is_png(start: &[u8]) -> bool {
     false
 }
 
-/// Whether a GIF says in a comment that vtex wrote it.
-fn is_gif(start: &[u8]) -> bool {
+/// Whether a comment of a GIF names vtex.
+fn is_own_gif(start: &[u8]) -> bool {
     start.windows(8).any(|w| w[..2] == [0x21, 0xfe] && w[3..] == *b"vtex ")
 }
 

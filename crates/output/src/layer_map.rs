@@ -113,7 +113,8 @@ struct DescribedLayer<'a> {
     colour: vtex_base::raster::colour::Colour,
     /// Share of the pixels.
     share: f64,
-    /// Outline of this layer and those above it; `None` for the bottom layer, which is everywhere.
+    /// Outline of the region of this layer and those above it; `None` for the bottom layer, whose region is
+    /// the whole map.
     region: Option<&'a Outline>,
 }
 

@@ -2,7 +2,7 @@
 //!
 //! All writers take one finished type, [`vtex_scene::scene::Scene`], and know nothing of how it was made.
 //! [`svg`] and [`pdf`] write it as pure vectors, [`png`] draws it directly at any scale, [`raster_animation`]
-//! writes GIFs and PNGs that play, [`raster_svg`] draws any SVG, [`reduce`] reduces a scene to a number of
+//! writes animated GIFs and PNGs, [`raster_svg`] draws any SVG, [`reduce`] reduces a scene to a number of
 //! bytes, [`file`] replaces files safely.
 //!
 //! A writer does not know the path that it writes to. It fails with [`std::io::Error`]; [`Error::write`] adds the
@@ -37,7 +37,7 @@ use vtex_scene::scene::Scene;
 /// Pixels per inch in CSS, and in files that do not state their resolution.
 pub const CSS_DPI: u32 = 96;
 
-/// Pixels to the inch of a file.
+/// Pixels per inch of a file.
 pub const DPI: Parameter<u32> = Parameter::new("dpi", [1, 9600], "").or(CSS_DPI);
 
 /// Largest picture drawn, in pixels: 4 GiB of memory.

@@ -1,8 +1,8 @@
 //! Scene → pixels and PNG, drawn directly.
 //!
-//! Outside a domain the picture is transparent. It agrees with a rendered SVG of the scene: the same grid of
-//! background colours, the same paths in the same order. It is drawn in bands of fixed height, which are
-//! independent of each other and of the number of threads.
+//! Outside a domain the picture is transparent. It agrees with a rendered SVG of the scene: the grid of
+//! background colours, the paths and their order are the same. The picture is drawn in parallel, in bands of
+//! fixed height that do not depend on each other.
 
 use super::background::PreparedBackground;
 use super::picture_size;
@@ -61,7 +61,7 @@ pub fn over_white(pixmap: &Pixmap) -> RgbImage {
     })
 }
 
-/// Bilinear interpolation of the background's rows.
+/// Paints a band of the background, which begins at row `top`, by bilinear interpolation.
 fn paint_background(background: &PreparedBackground, scale: [f64; 2], top: usize, band: &mut PixmapMut<'_>) {
     let (width, data) = (band.width() as usize, band.data_mut());
     let xs: Vec<f64> = (0..width).map(|x| (x as f64 + 0.5) / scale[0]).collect();
@@ -124,20 +124,20 @@ fn band_transform(affine: Affine, top: f64) -> Transform {
     Transform::from_row(a, b, c, d, e, f)
 }
 
-/// The paths of an element with their paint; that of the base may come from the instance.
+/// The paths of an element. Details have their paint; that of the base may depend on the instance.
 struct ElementPaths {
     base: Option<tiny_skia::Path>,
     details: Vec<Detail>,
-    /// The outline of the whole, if that is not the base's.
+    /// The outline of the whole element, if it differs from that of the base.
     silhouette: Option<tiny_skia::Path>,
     bounds: Rect,
 }
 
-/// A shape on the base.
+/// A shape that is painted on the base.
 struct Detail {
     path: tiny_skia::Path,
     paint: Paint<'static>,
-    /// Of a soft ellipse: the map of the unit disc, which `path` is and `paint` fills.
+    /// For a soft ellipse, the map from the unit disc to it; `path` and `paint` are those of the disc.
     soft: Option<Affine>,
 }
 
@@ -183,7 +183,7 @@ struct DrawnInstance<'a> {
     instance: &'a Instance,
     /// The map to the picture.
     affine: Affine,
-    /// The same of its shadow.
+    /// The map of its shadow to the picture.
     shadow: Affine,
     /// First and last row of the picture that it may touch.
     rows: [f64; 2],
@@ -198,16 +198,16 @@ impl<'a> PreparedScene<'a> {
             bounds: element.bounds(),
         });
         let to_picture = Affine::scale_non_uniform(scale[0], scale[1]);
-        let place = |instance: &'a Instance| {
+        let copies_of = |instance: &'a Instance| {
             let affine = instance.affine();
             let bounds = instance.reach(drawings[instance.element.index()].bounds);
             scene.copies(bounds).map(move |shift| {
                 let reach = to_picture.transform_rect_bbox(bounds + shift);
-                let away = shift + instance.shadow.map_or(Vec2::ZERO, |s| s.shift());
+                let shadow_shift = shift + instance.shadow.map_or(Vec2::ZERO, |s| s.shift());
                 DrawnInstance {
                     instance,
                     affine: to_picture * affine.then_translate(shift),
-                    shadow: to_picture * affine.then_translate(away),
+                    shadow: to_picture * affine.then_translate(shadow_shift),
                     rows: [reach.y0, reach.y1],
                 }
             })
@@ -216,30 +216,30 @@ impl<'a> PreparedScene<'a> {
             background: layer.field.as_ref().map(|field| PreparedBackground::new(scene, field)),
             region: layer.region.as_ref().map(|outline| ClipRegion::new(scene, outline, scale)),
             clipped: scene.is_clipped(layer),
-            instances: layer.instances.iter().flat_map(&place).collect(),
+            instances: layer.instances.iter().flat_map(&copies_of).collect(),
         });
         let layers = layers.collect();
-        let black = |l: &shadow::ShadowOutline| {
+        let painted = |l: &shadow::ShadowOutline| {
             let mut paint = Paint::default();
             paint.set_color(Color::from_rgba(0.0, 0.0, 0.0, l.opacity as f32).unwrap_or(Color::TRANSPARENT));
             path_of(&l.outline).map(|path| (path, paint))
         };
         let shadows = Shadows::new(scene);
-        let shadows = shadows.all().map(|(key, layers)| (key, layers.iter().filter_map(black).collect()));
+        let shadows = shadows.all().map(|(key, layers)| (key, layers.iter().filter_map(painted).collect()));
         let (shadows, domain) = (shadows.collect(), ClipRegion::of_domain(scene, scale));
         Self { scene, scale, drawings, layers, domain, shadows }
     }
 
-    /// Draws a band of the picture, which begins at row `top` and is clear before.
+    /// Draws a band of the picture, which begins at row `top` and is transparent at first.
     fn draw(&self, band: &mut PixmapMut<'_>, top: usize) {
         for (k, run) in self.layers.chunk_by(|a, b| a.clipped == b.clipped).enumerate() {
             let clip = run[0].clipped.then_some(&self.domain);
             if k == 0 {
-                // No layer that must stay unclipped lies underneath.
+                // No unclipped layer lies underneath, so the band itself is clipped.
                 run.iter().for_each(|layer| self.draw_layer(layer, band, top));
                 clip.inspect(|domain| domain.clip(band, top as f64));
             } else {
-                apart(band, clip, top, |band| {
+                draw_clipped(band, clip, top, |band| {
                     run.iter().for_each(|layer| self.draw_layer(layer, band, top));
                 });
             }
@@ -247,7 +247,7 @@ impl<'a> PreparedScene<'a> {
     }
 
     fn draw_layer(&self, layer: &DrawnLayer<'_>, band: &mut PixmapMut<'_>, top: usize) {
-        apart(band, layer.region.as_ref(), top, |band| {
+        draw_clipped(band, layer.region.as_ref(), top, |band| {
             if let Some(background) = &layer.background {
                 paint_background(background, self.scale, top, band);
             }
@@ -307,7 +307,7 @@ impl<'a> PreparedScene<'a> {
     }
 }
 
-/// Draws soft ellipses that follow one another, clipped to the base of their element.
+/// Draws successive soft ellipses, clipped to the base of their element; `None` if nothing is visible.
 fn draw_soft(
     ellipses: &[Detail],
     drawing: &ElementPaths,
@@ -317,24 +317,25 @@ fn draw_soft(
 ) -> Option<()> {
     let base = drawing.base.as_ref()?;
     let reach = to_picture.transform_rect_bbox(drawing.bounds) - Vec2::new(0.0, top);
-    let seen = reach.inflate(1.0, 1.0).expand();
-    let seen = seen.intersect(Rect::new(0.0, 0.0, band.width().into(), band.height().into()));
-    let (x, y) = (seen.x0, seen.y0);
-    let mut own = Pixmap::new(seen.width() as u32, seen.height() as u32)?;
-    let place = |map: Affine| band_transform(map.then_translate(Vec2::new(-x, 0.0)), top + y);
+    let visible = reach.inflate(1.0, 1.0).expand();
+    let visible = visible.intersect(Rect::new(0.0, 0.0, band.width().into(), band.height().into()));
+    let (x, y) = (visible.x0, visible.y0);
+    let mut own = Pixmap::new(visible.width() as u32, visible.height() as u32)?;
+    let to_own = |map: Affine| band_transform(map.then_translate(Vec2::new(-x, 0.0)), top + y);
     for detail in ellipses {
-        let transform = place(to_picture * detail.soft?);
+        let transform = to_own(to_picture * detail.soft?);
         own.fill_path(&detail.path, &detail.paint, FillRule::Winding, transform, None);
     }
     let mut mask = Mask::new(own.width(), own.height())?;
-    mask.fill_path(base, FillRule::Winding, true, place(to_picture));
+    mask.fill_path(base, FillRule::Winding, true, to_own(to_picture));
     own.apply_mask(&mask);
     band.draw_pixmap(x as i32, y as i32, own.as_ref(), &PixmapPaint::default(), Transform::identity(), None);
     Some(())
 }
 
-/// Draws onto a band, clipped to a region if there is one.
-fn apart(
+/// Draws on a picture of its own, clips that to a region and paints it on a band; without a region, draws on the
+/// band itself.
+fn draw_clipped(
     band: &mut PixmapMut<'_>,
     region: Option<&ClipRegion>,
     top: usize,
@@ -360,12 +361,13 @@ fn paint(shape: &Shape, colour: Colour, gradient: Option<&Gradient>) -> Paint<'s
     let shader = gradient.and_then(|g| {
         let point = |[x, y]: [f64; 2]| tiny_skia::Point::from_xy(x as f32, y as f32);
         let stop = |s: Stop| GradientStop::new(s.offset as f32, solid(s.colour, s.opacity));
-        let (stops, pad, whole) = (g.stops().map(stop).collect(), SpreadMode::Pad, Transform::identity());
+        let stops = g.stops().map(stop).collect();
+        let (pad, identity) = (SpreadMode::Pad, Transform::identity());
         let [from, to] = [g.from, g.to].map(point);
         match g.kind {
-            GradientKind::Linear => LinearGradient::new(from, to, stops, pad, whole),
+            GradientKind::Linear => LinearGradient::new(from, to, stops, pad, identity),
             GradientKind::Radial => {
-                RadialGradient::new(from, 0.0, from, from.distance(to), stops, pad, whole)
+                RadialGradient::new(from, 0.0, from, from.distance(to), stops, pad, identity)
             }
         }
     });
@@ -401,8 +403,7 @@ pub fn encode(pixmap: &Pixmap, seed: Option<u64>, out: impl Write) -> io::Result
     encode_data(pixmap.width(), pixmap.height(), opaque, &data, seed, out).map_err(failed)
 }
 
-/// The components of all pixels, 8-bit sRGB, not multiplied by alpha: `channels` of each, 3 or 4 for
-/// those with alpha.
+/// The components of all pixels, 8-bit sRGB, not multiplied by alpha; `channels` is 3, or 4 to include alpha.
 pub fn straight(pixmap: &Pixmap, channels: usize) -> Vec<u8> {
     let mut data = Vec::with_capacity(pixmap.pixels().len() * channels);
     for pixel in pixmap.pixels() {
@@ -412,7 +413,7 @@ pub fn straight(pixmap: &Pixmap, channels: usize) -> Vec<u8> {
     data
 }
 
-/// As [`encode`], of plain RGB.
+/// Writes an opaque picture as PNG, 8-bit sRGB.
 ///
 /// # Errors
 /// As [`encode`].

@@ -1,9 +1,9 @@
 //! The seal of a file: a SHA-256 of its own bytes. It distinguishes a file that is unchanged since it was
 //! written from one that somebody has worked on.
 //!
-//! It is stored in a comment or similar at the end of the file, because files are written as they are made: a
-//! comment in SVG, HTML and PDF, a text chunk in PNG, a comment in GIF, the last field of a JSON document. Of
-//! a packed file the content is sealed, and gzip guards the rest.
+//! It is stored at the end of the file, because files are written as a stream: in a comment in SVG, HTML, PDF
+//! and GIF, in a text chunk in PNG, in the last field of a JSON document. In a packed file the content is
+//! sealed; gzip has a checksum of its own.
 
 use flate2::Crc;
 use flate2::bufread::GzDecoder;
@@ -98,7 +98,7 @@ impl AllBut {
         Self { last, held: Vec::new(), hash: Sha256::new() }
     }
 
-    /// Takes bytes, and passes on those that are certainly not among the last.
+    /// Takes bytes, and passes those on that cannot be among the last `last` bytes.
     fn push(&mut self, bytes: &[u8], mut on: impl FnMut(&[u8]) -> io::Result<()>) -> io::Result<()> {
         let old = (self.held.len() + bytes.len()).saturating_sub(self.last).min(self.held.len());
         let new = bytes.len().saturating_sub(self.last);

@@ -90,7 +90,7 @@ fn the_background_alone_shows_no_seam() {
     }
 }
 
-/// The test above can fail: the same scene that does not tile has seams.
+/// A scene that does not tile has seams, so the test above can fail.
 #[test]
 fn without_tiling_there_is_a_seam() {
     let tile = TILES[0];
@@ -168,7 +168,7 @@ fn only_what_is_inside_the_domain_counts() {
     assert!(render(&scene, 1.0).unwrap_err().to_string().contains("domain"));
 }
 
-/// A domain too means all its copies.
+/// The copies of a domain count too.
 #[test]
 fn a_domain_may_cross_the_seam() {
     let mut scene = testing::tiled(SIZE.0, SIZE.1, 7, TILES[0]);

@@ -176,7 +176,7 @@ pub(super) fn tiled(width: u32, height: u32, seed: u64, tile: Tile) -> Scene {
     scene
 }
 
-/// The scene with everything moved, and what leaves the canvas along an axis that tiles back on it.
+/// The scene with everything shifted and, along axes that tile, wrapped onto the canvas.
 pub(super) fn moved(mut scene: Scene, dx: f64, dy: f64) -> Scene {
     let (w, h, tile) = (f64::from(scene.width), f64::from(scene.height), scene.tile);
     let along = |v: f64, d: f64, size: f64, repeats: bool| {

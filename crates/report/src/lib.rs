@@ -1,4 +1,4 @@
-//! Results looked at and compared: the HTML page, metrics of pictures.
+//! Inspection and comparison of results: an HTML page, and metrics of pictures.
 
 pub mod metrics;
 pub mod report;

@@ -1,4 +1,4 @@
-//! The two contracts: libraries, which analysis writes, and scenes, which synthesis writes.
+//! The two stored data types: libraries, which analysis writes, and scenes, which synthesis writes.
 
 pub mod element;
 pub mod lattice;

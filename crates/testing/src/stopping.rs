@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use vtex_base::error::{Error, Result};
 use vtex_base::progress::Progress;
 
-/// Asks at once to stop.
+/// Asks to stop at the first report.
 pub struct StopAtOnce;
 
 impl Progress for StopAtOnce {
@@ -13,7 +13,7 @@ impl Progress for StopAtOnce {
     }
 }
 
-/// Asks to stop after a number of reports, and counts all.
+/// Asks to stop after a number of reports, and counts all reports.
 pub struct StopAfter {
     most: usize,
     reports: AtomicUsize,
@@ -30,7 +30,8 @@ impl StopAfter {
         self.reports.load(Ordering::SeqCst)
     }
 
-    /// Checks that work reports at least `least` times, and that it is over soon wherever it is asked to stop.
+    /// Checks that work reports at least `least` times, and ends soon after it is asked to stop at any of its
+    /// reports.
     pub fn check<T>(least: usize, work: impl Fn(&dyn Progress) -> Result<T>) {
         let whole = Self::new(usize::MAX);
         assert!(work(&whole).is_ok());
@@ -39,7 +40,7 @@ impl StopAfter {
         for most in (0..all).step_by(all.div_ceil(25)) {
             let observer = Self::new(most);
             assert!(matches!(work(&observer), Err(Error::Interrupted)), "after {most} of {all}");
-            // Tasks side by side may each report once more.
+            // Each parallel task may report once more.
             assert!(observer.reports() <= most + 4, "{} after {most}", observer.reports());
         }
     }

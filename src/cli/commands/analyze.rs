@@ -95,5 +95,5 @@ fn run(common: &Common, reporter: &Reporter, analysis: &Analysis, targets: &Targ
         lattice: library.lattice.clone(),
         ..Summary::new("analyze", vec![analysis.input.name()], targets.path(), written, reporter)
     };
-    summary.tell(common, targets.piped())
+    summary.print(common, targets.piped())
 }

@@ -47,7 +47,7 @@ struct DoctorReport {
     version: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     library: Option<PathBuf>,
-    /// The places where the shared library was looked for, with the result.
+    /// The places where the shared library was searched, with the result of each.
     libraries: Vec<CandidateReport>,
     threads: usize,
     models_folder: Option<PathBuf>,
@@ -125,7 +125,7 @@ fn examine(options: &EngineOptions) -> DoctorReport {
 }
 
 impl DoctorReport {
-    /// For people.
+    /// Prints the report as text.
     fn show(&self) -> String {
         let head = Style::new().bold();
         let mut text = format!("{head}{}{head:#}\n\n", self.program);

@@ -6,7 +6,7 @@ use crate::cli::config::{CommandLineValues, Parameters};
 use crate::cli::failure::Failure;
 use crate::cli::format;
 use crate::cli::input::Input;
-use crate::cli::operations::{self, Asked};
+use crate::cli::operations::{self, ParsedOperation};
 use crate::cli::options::files::{ForceArgs, Makes, check_files, outputs, required, targets};
 use crate::cli::options::render::{RenderFlags, RenderParameters};
 use crate::cli::options::svg::{SvgFlags, SvgParameters};
@@ -62,7 +62,7 @@ pub(crate) struct EditArgs {
 /// The operations, their scene, and the place of the result.
 struct Editing {
     scene: Input,
-    operations: Vec<Asked>,
+    operations: Vec<ParsedOperation>,
     seed: Option<u64>,
     svg: SvgParameters,
     render: RenderParameters,
@@ -87,7 +87,7 @@ impl Arguments for EditArgs {
 impl Editing {
     fn new(a: EditArgs, resolved: Resolved) -> anyhow::Result<Self> {
         let scene = required(a.scene)?;
-        let operations = asked(&a.op)?;
+        let operations = parsed(&a.op)?;
         check_files(&[("the scene", &scene)], &outputs(&a.output))?;
         let targets = targets(a.output, &a.force, &scene, MAKES)?;
         let Parameters { seed, svg, render, .. } = resolved.parameters;
@@ -97,7 +97,7 @@ impl Editing {
 }
 
 /// The operations, each checked.
-fn asked(texts: &[String]) -> anyhow::Result<Vec<Asked>> {
+fn parsed(texts: &[String]) -> anyhow::Result<Vec<ParsedOperation>> {
     if texts.is_empty() {
         let failure = Failure::usage("nothing says what to do to the scene");
         return Err(failure.hint("give operations with --op; 'vtex edit --list' explains them").into());
@@ -114,7 +114,7 @@ struct EditSummary<'a> {
     operations: Vec<OperationReport<'a>>,
 }
 
-/// An operation as it was written, and its outcome.
+/// The text of an operation, and its outcome.
 #[derive(Serialize)]
 struct OperationReport<'a> {
     operation: &'a str,
@@ -158,8 +158,8 @@ fn run(common: &Common, reporter: &Reporter, editing: &Editing) -> anyhow::Resul
     if !common.quiet {
         done.iter().for_each(|done| say(&line(done)));
     }
-    // The seed is the scene's own or was given, so it is not reported.
-    summary.tell(&Common { seed_chosen: false, debug_folder: None, ..*common }, piped)
+    // The seed is that of the scene or was given, so it is not reported.
+    summary.print(&Common { seed_chosen: false, debug_folder: None, ..*common }, piped)
 }
 
 /// The outcome of an operation.

@@ -153,5 +153,5 @@ fn run(common: &Common, reporter: &Reporter, job: &Making) -> anyhow::Result<()>
         size: [made.width(), made.height()],
         ..Summary::new("raster", inputs, job.place.path(), WrittenFile::of(bytes), reporter)
     };
-    summary.tell(common, job.place == Destination::Stdout)
+    summary.print(common, job.place == Destination::Stdout)
 }

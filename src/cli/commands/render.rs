@@ -160,5 +160,5 @@ fn run(common: &Common, reporter: &Reporter, input: &Input, options: &RenderOpti
         counts: scene.as_ref().map(ElementCounts::of_scene),
         ..Summary::new("render", vec![name], targets.path(), written, reporter)
     };
-    summary.tell(common, targets.piped())
+    summary.print(common, targets.piped())
 }

@@ -148,7 +148,7 @@ impl Arguments for TextureArgs {
     }
 }
 
-/// Files and models of a recipe, where the command line names none.
+/// Files and models of a recipe, unless the command line names others.
 fn restore(recipe: &Recipe, control: &mut ControlArgs, masks: &mut MasksArgs) -> anyhow::Result<()> {
     let part = |role: &str| recipe.part(role).map(|part| part.file.clone());
     if control.domain.is_none() && control.mask.is_none() {
@@ -210,7 +210,7 @@ impl Texture {
             photo @ Input::File(_) => Some([recipe::sum(&photo.read()?)]),
         };
         let replaced = synthesis.ask(common, reporter, photo.as_ref().map(<[String; 1]>::as_slice))?;
-        // Faults of the options are reported before the long work.
+        // Faults of the options are reported before the analysis.
         if let Some(recipe) = recipe {
             recipe.check("photo", "the photograph", &analysis.input)?;
             let painted = analysis.layers.painted.iter().map(|file| ("--layer-map", file));

@@ -59,7 +59,7 @@ pub(crate) struct TuneFlags {
     pub(crate) size: Option<Size>,
 }
 
-/// How weights are searched, and where they go.
+/// Parameters of the search, and the output.
 struct Tuning {
     name: String,
     parameters: TuneParams,
@@ -169,7 +169,7 @@ fn run(common: &Common, reporter: &Reporter, input: &Input, tuning: &Tuning) -> 
     Ok(())
 }
 
-/// The terms before and after the search; less is better for all.
+/// The terms before and after the search; smaller is better for all.
 fn table(tuned: &TunedWeights) -> String {
     let w = &tuned.weights;
     let weights = [w.target, w.uncovered, w.empty, w.mismatched, w.same_overlap].map(|v| v.to_string());

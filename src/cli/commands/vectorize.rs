@@ -88,7 +88,7 @@ impl Arguments for VectorizeArgs {
         let photo = required(photo)?;
         let targets = targets(output.clone(), &force, &photo, MAKES)?;
         let analysis = Analysis::new(photo, (masks, layer_files), &force, &output, &resolved.parameters)?;
-        // Nothing is tiled here.
+        // A picture is not tiled.
         let masks = without_network(analysis.masks);
         let analysis = Analysis { looks_at_borders: false, masks, ..analysis };
         let (svg, render) = (resolved.parameters.svg, resolved.parameters.render);
@@ -127,5 +127,5 @@ fn run(
         counts: Some(ElementCounts::of_scene(&scene)),
         ..Summary::new("vectorize", vec![analysis.input.name()], targets.path(), written, reporter)
     };
-    summary.tell(common, targets.piped())
+    summary.print(common, targets.piped())
 }

@@ -79,7 +79,7 @@ struct Warping {
     targets: Targets,
 }
 
-/// The means that bend a scene.
+/// The kinds of bends.
 enum BendInput {
     /// Factors along x and y.
     Scale([f64; 2]),

@@ -38,7 +38,7 @@ pub(super) fn known_verb<'a>(line: &'a Command, name: &str) -> Result<&'a Comman
     })
 }
 
-/// The name of a flag with its hyphens, or of a word that stands by its place, in capitals.
+/// The name of a flag with its hyphens, or that of a positional argument in capitals.
 pub(super) fn name(argument: &Arg) -> String {
     argument.get_long().map_or_else(|| value_name(argument), |long| format!("--{long}"))
 }
@@ -105,7 +105,7 @@ pub(super) fn of_parser(error: &clap::Error, verb: &Command) -> Fault {
             None => Fault::new(format!("{plain} = {value} cannot be"), written),
         },
         ErrorKind::MissingRequiredArgument if plain.contains('|') => {
-            // One of several: clap names them with bars between.
+            // One of several alternatives, which clap separates by bars.
             Fault::new(format!("one of {} is missing", plain.replace('|', ", ")), written)
         }
         ErrorKind::MissingRequiredArgument => Fault::new(format!("{plain} is missing"), written),

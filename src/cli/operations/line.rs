@@ -1,4 +1,4 @@
-//! The text of an operation as clap sees it, and what it means.
+//! Parses the text of an operation.
 
 use super::fault::{self, Fault};
 use super::verb::Verb;
@@ -9,9 +9,9 @@ use clap::{CommandFactory, Parser};
 use vtex::edit::condition::{EXPECTED, NAMES};
 use vtex::edit::{Condition, Operation, validate};
 
-/// An operation and the text that asked for it.
+/// An operation and its text.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Asked {
+pub(crate) struct ParsedOperation {
     pub(crate) text: String,
     pub(crate) operation: Operation,
 }
@@ -46,9 +46,11 @@ fn condition(text: &str) -> Result<Condition, Fault> {
 /// Reads an operation and checks it. `read` gives the bytes of a file by its name; only palettes are
 /// read, because the operation holds their colours.
 ///
-/// # Errors
-/// A usage error that says what is wrong and what would be right; those of `read`.
-pub(crate) fn parse(text: &str, read: impl FnOnce(&str) -> vtex::Result<Vec<u8>>) -> anyhow::Result<Asked> {
+/// # Errors A usage error with a correction; errors of `read`.
+pub(crate) fn parse(
+    text: &str,
+    read: impl FnOnce(&str) -> vtex::Result<Vec<u8>>,
+) -> anyhow::Result<ParsedOperation> {
     let text = text.trim();
     let refused = |Fault { reason, advice }: Fault| {
         let shown: String = text.chars().take(60).collect();
@@ -64,5 +66,5 @@ pub(crate) fn parse(text: &str, read: impl FnOnce(&str) -> vtex::Result<Vec<u8>>
     let operation =
         Operation { action: asked.action(read)?, layer: (layer != "all").then_some(layer), conditions };
     validate(&operation).map_err(|e| refused(fault::of_operation(&e, verb)))?;
-    Ok(Asked { text: text.to_owned(), operation })
+    Ok(ParsedOperation { text: text.to_owned(), operation })
 }

@@ -9,5 +9,5 @@ mod tests;
 mod verb;
 mod words;
 
-pub(crate) use line::{Asked, parse};
+pub(crate) use line::{ParsedOperation, parse};
 pub(crate) use list::list;

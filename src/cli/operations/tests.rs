@@ -1,4 +1,4 @@
-//! Texts of operations are understood, or refused with what would be right.
+//! Texts of operations are parsed, or refused with a correction.
 
 use super::line::{Line, parse};
 use clap::CommandFactory;
@@ -213,7 +213,7 @@ proptest::proptest! {
     #[test]
     fn any_text_is_an_operation_or_a_fault(text in "\\PC*|(tint|thin|move|jitter) [a-z0-9#.=<>|,' -]{0,60}") {
         if let Ok(asked) = parse(&text, palette) {
-            // A parsed operation is parsed alike again, and can be recorded.
+            // The recorded text of an operation parses to the same operation.
             proptest::prop_assert_eq!(&parse(text.trim(), palette).unwrap(), &asked);
             let record = serde_json::to_string(&asked.operation).unwrap();
             proptest::prop_assert_eq!(serde_json::from_str::<Operation>(&record).unwrap(), asked.operation);

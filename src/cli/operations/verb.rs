@@ -314,7 +314,7 @@ pub(super) enum Verb {
 }
 
 impl Verb {
-    /// Refuses flags that go with nothing that is given.
+    /// Refuses flags that have no effect without others.
     pub(super) fn check(&self, verb: &Command) -> Result<(), Fault> {
         match self {
             Self::Thin { keep: None, order: Some(_), .. } => Err(Fault::new(
@@ -431,7 +431,7 @@ fn or_map(range: Parameter<f64>) -> impl Fn(&str) -> Result<NumberOrMap, String>
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pair([f64; 2]);
 
-/// The parser of one or two numbers in a range; `second` makes the other of one alone.
+/// The parser of one or two numbers in a range; `second` gives the second number if there is only one.
 fn pair(range: Parameter<f64>, second: fn(f64) -> f64) -> impl Fn(&str) -> Result<Pair, String> + Clone {
     move |text| match text.split_once(',') {
         Some((x, y)) => Ok(Pair([within(range)(x.trim())?, within(range)(y.trim())?])),
@@ -439,7 +439,7 @@ fn pair(range: Parameter<f64>, second: fn(f64) -> f64) -> impl Fn(&str) -> Resul
     }
 }
 
-/// A colour; a name with an ending is that of a file.
+/// A colour, or a file if the text contains a dot.
 fn colour_or_map(text: &str) -> Result<ColourOrMap, String> {
     match colour(text) {
         Err(_) if text.contains('.') => file(text).map(ColourOrMap::Map),

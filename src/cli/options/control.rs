@@ -77,7 +77,7 @@ impl Steering {
         domain.chain(density).chain(structure).chain(self.maps.iter().map(|file| ("--map", file)))
     }
 
-    /// Refuses that a file is read and written, or standard input read twice.
+    /// Fails if a file would be read and written, or standard input read twice.
     pub(crate) fn check(
         &self,
         inputs: &[(&'static str, &Input)],

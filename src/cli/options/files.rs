@@ -44,7 +44,7 @@ pub(crate) fn targets(
     input: &Input,
     makes: Makes,
 ) -> Result<Targets, Failure> {
-    apart(&self::outputs(&outputs))?;
+    check_distinct(&self::outputs(&outputs))?;
     let mut outputs = outputs.into_iter();
     let first = match (outputs.next(), input) {
         (Some(path), _) => path,
@@ -73,7 +73,7 @@ pub(crate) fn outputs(paths: &[PathBuf]) -> Vec<(&'static str, Option<&Path>)> {
     paths.iter().map(|path| ("-o", Some(path.as_path()))).collect()
 }
 
-/// Refuses that a file is read and written, or standard input read twice.
+/// Fails if a file would be read and written, or standard input read twice.
 pub(crate) fn check_files(read: &[(&str, &Input)], written: &[(&str, Option<&Path>)]) -> Result<(), Failure> {
     if read.iter().filter(|(_, file)| **file == Input::Stdin).count() > 1 {
         let failure = Failure::usage("'-' stands for more than one file");
@@ -82,7 +82,7 @@ pub(crate) fn check_files(read: &[(&str, &Input)], written: &[(&str, Option<&Pat
     for (name, file) in read {
         if let Input::File(path) = file {
             for &other in written {
-                apart(&[(name, Some(path.as_path())), other])?;
+                check_distinct(&[(name, Some(path.as_path())), other])?;
             }
         }
     }
@@ -101,8 +101,9 @@ pub(crate) fn plain(path: &Path) -> PathBuf {
     }
 }
 
-/// Refuses that one file is written twice: the later result would destroy the earlier, `--force` or not.
-pub(crate) fn apart(files: &[(&str, Option<&Path>)]) -> Result<(), Failure> {
+/// Fails if a file would be written twice: the later result would overwrite the earlier, even without
+/// `--force`.
+pub(crate) fn check_distinct(files: &[(&str, Option<&Path>)]) -> Result<(), Failure> {
     for (i, (name, path)) in files.iter().enumerate() {
         for (other, second) in &files[i + 1..] {
             if let (Some(a), Some(b)) = (path, second)

@@ -1,6 +1,6 @@
 //! The texture as a pattern, beside the result.
 
-use super::files::{ForceArgs, apart};
+use super::files::{ForceArgs, check_distinct};
 use crate::cli::failure::Failure;
 use crate::cli::format;
 use crate::cli::output::{Destination, Target, Targets};
@@ -26,7 +26,7 @@ pub(crate) fn pattern(
     let Some(path) = args.pattern else { return Ok(None) };
     let kind = format::kind_of("--pattern", &path, format::OF_PATTERN)?;
     for output in outputs.all() {
-        apart(&[("the output", Some(output.place.path())), ("--pattern", Some(&path))])?;
+        check_distinct(&[("the output", Some(output.place.path())), ("--pattern", Some(&path))])?;
     }
     Ok(Some(Target { place: Destination::File { path, force: force.force }, kind }))
 }

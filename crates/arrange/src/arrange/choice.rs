@@ -3,9 +3,9 @@
 use super::model::{PlaceableId, PlacementModel, VariantId};
 use vtex_base::sampling::{Stream, WeightTree};
 
-/// Number of halvings that are distinguished. More would keep the distribution of sizes in a category closer
-/// to the exemplar's on large canvases. But then the draw would pick only elements that fit nowhere, because
-/// these are never used.
+/// Number of halvings that are distinguished. With more, sizes within a category would be closer to the
+/// exemplar's on large canvases, but then only elements that fit nowhere would be drawn, because these are
+/// never used.
 const HALVINGS: u32 = 5;
 
 /// Selection weights of the members of every category (paper §3.3, duplication reduction).

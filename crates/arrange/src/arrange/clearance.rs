@@ -81,9 +81,9 @@ impl Clearance {
             // A run as long as the period or longer is split at the seam.
             while span.x0 < row_span.x1 {
                 span.x1 = row_span.x1.min(span.x0 + grid.width);
-                for part in grid.parts(span, [0, y0 - 1 + j as i32]) {
-                    let at = (part.at[0] - (x0 - 1)) as usize;
-                    line[at..at + part.cells.len()].copy_from_slice(&self.distance[part.cells]);
+                for run in grid.runs(span, [0, y0 - 1 + j as i32]) {
+                    let at = (run.at[0] - (x0 - 1)) as usize;
+                    line[at..at + run.cells.len()].copy_from_slice(&self.distance[run.cells]);
                 }
                 span.x0 = span.x1;
             }
@@ -108,9 +108,9 @@ impl Clearance {
             let mut span = Span { y: 0, x0, x1 };
             while span.x0 < x1 {
                 span.x1 = x1.min(span.x0 + grid.width);
-                for part in grid.parts(span, [0, y0 - 1 + j as i32]) {
-                    let at = (part.at[0] - (x0 - 1)) as usize;
-                    for (d, new) in self.distance[part.cells].iter_mut().zip(&line[at..]) {
+                for run in grid.runs(span, [0, y0 - 1 + j as i32]) {
+                    let at = (run.at[0] - (x0 - 1)) as usize;
+                    for (d, new) in self.distance[run.cells].iter_mut().zip(&line[at..]) {
                         *d = (*d).min(*new);
                     }
                 }

@@ -127,7 +127,7 @@ fn zone_of(map: &Occupancy<'_>, variant: VariantId, at: [i32; 2]) -> Option<usiz
         return Some(zone);
     }
     let spans = map.model().shape(variant).mask.spans().iter();
-    spans.flat_map(|&s| map.grid.parts(s, at)).flat_map(|part| part.canvas).find_map(zone)
+    spans.flat_map(|&s| map.grid.runs(s, at)).flat_map(|run| run.canvas).find_map(zone)
 }
 
 /// The deficit of every category in every zone.
@@ -290,7 +290,7 @@ fn fit(map: &Occupancy<'_>, clearance: &Clearance, variant: VariantId, at: [i32;
     let shape = map.model().shape(variant);
     let library = map.model().element(variant).library;
     let plain = map.region.is_plain() && !map.region.is_shared();
-    for CellRun { canvas, .. } in shape.mask.spans().iter().flat_map(|&s| map.grid.parts(s, at)) {
+    for CellRun { canvas, .. } in shape.mask.spans().iter().flat_map(|&s| map.grid.runs(s, at)) {
         if plain {
             let row = &clearance.distance[canvas];
             cells += row.len() as u32;

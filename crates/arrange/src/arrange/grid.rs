@@ -1,7 +1,7 @@
 //! The cells that placement works on: a canvas, margins where it ends, and seams where it repeats.
 //!
-//! A span at a place gives runs of cells, two where it crosses a seam. All code that visits cells gets them
-//! from the grid, so it is the same on a plane and on a torus.
+//! A span at a place gives runs of cells, two where it crosses a seam. Code that visits cells gets these runs
+//! from the grid, and so need not distinguish a plane from a torus.
 
 use super::WIDEST_MARGIN;
 use super::model::PlacementModel;
@@ -19,33 +19,34 @@ pub(crate) struct Grid {
     pub(crate) height: i32,
     /// Cells beside the canvas, left and right, and above and below.
     pub(crate) margin: [i32; 2],
-    /// Along which axes the map repeats.
+    /// The axes along which the map repeats.
     pub(crate) tile: Tile,
-    /// First row of this grid in the whole map; a grid may be a band of rows.
-    first: i32,
-    whole: i32,
+    /// First row of this grid in the whole map, of which it may be a band of rows.
+    first_row: i32,
+    /// Height of the whole map, in cells.
+    whole_height: i32,
 }
 
 /// A run of cells of one row of a shape.
 #[derive(Clone, Debug)]
 pub(crate) struct CellRun {
-    /// Place of its first cell, counted on from the shape's own place: not wrapped.
+    /// Place of its first cell, not wrapped.
     pub(crate) at: [i32; 2],
     /// Indices of the cells.
     pub(crate) cells: Range<usize>,
-    /// Those of them that are on the canvas.
+    /// Indices of those cells that are on the canvas.
     pub(crate) canvas: Range<usize>,
 }
 
 impl Grid {
-    /// For a canvas of `size` pixels with `margin` cells beyond its borders.
+    /// The grid of a canvas of `size` pixels with `margin` cells beyond its borders.
     pub(crate) fn new(size: [u32; 2], tile: Tile, margin: i32) -> Self {
         let margin = [tile.x, tile.y].map(|wrap| if wrap { 0 } else { margin });
         let [width, height] = [0, 1].map(|k| size[k] as i32 + 2 * margin[k]);
-        Self { width, height, margin, tile, first: 0, whole: height }
+        Self { width, height, margin, tile, first_row: 0, whole_height: height }
     }
 
-    /// For the canvas of a synthesis: margins are wide enough for elements that reach in from outside.
+    /// The grid of a synthesis: margins are wide enough for elements that reach in from outside.
     pub(crate) fn around(model: &PlacementModel, params: &SynthParams) -> Self {
         let margin = (model.reach + 2).min(WIDEST_MARGIN);
         Self::new([params.width, params.height], params.tile, margin)
@@ -54,7 +55,7 @@ impl Grid {
     /// The grid of some rows of this one, which may reach across a seam.
     pub(crate) fn band(&self, rows: &Range<i32>) -> Self {
         let tile = Tile { y: false, ..self.tile };
-        Self { height: rows.end - rows.start, first: rows.start, tile, ..self.clone() }
+        Self { height: rows.end - rows.start, first_row: rows.start, tile, ..self.clone() }
     }
 
     /// Number of cells.
@@ -62,7 +63,7 @@ impl Grid {
         self.width as usize * self.height as usize
     }
 
-    /// The values of some rows. `values` has a value for each cell.
+    /// The values of some rows, where `values` has one for each cell.
     pub(crate) fn rows_of<T: Copy>(&self, values: &[T], rows: &Range<i32>) -> Vec<T> {
         let mut copy = Vec::with_capacity(self.width as usize * rows.len());
         for row in rows.clone() {
@@ -74,7 +75,7 @@ impl Grid {
 
     /// Size of the canvas, in pixels.
     pub(crate) fn canvas(&self) -> [f64; 2] {
-        [self.width - 2 * self.margin[0], self.whole - 2 * self.margin[1]].map(f64::from)
+        [self.width - 2 * self.margin[0], self.whole_height - 2 * self.margin[1]].map(f64::from)
     }
 
     /// Index of a cell of the map.
@@ -102,11 +103,15 @@ impl Grid {
 
     /// Middle of a cell, in pixels of the canvas.
     pub(crate) fn point(&self, at: [i32; 2]) -> [f64; 2] {
-        let row = if self.whole == self.height { at[1] } else { (at[1] + self.first).rem_euclid(self.whole) };
+        let row = if self.whole_height == self.height {
+            at[1]
+        } else {
+            (at[1] + self.first_row).rem_euclid(self.whole_height)
+        };
         [at[0] - self.margin[0], row - self.margin[1]].map(|v| f64::from(v) + 0.5)
     }
 
-    /// The way from `a` to `b`, the shortest one where the map repeats.
+    /// The offset from `a` to `b`; where the map repeats, the shortest one.
     pub(crate) fn offset(&self, a: [i32; 2], b: [i32; 2]) -> [i32; 2] {
         let axis = |d: i32, size: i32, wrap: bool| {
             if wrap { (d + size / 2).rem_euclid(size) - size / 2 } else { d }
@@ -114,48 +119,47 @@ impl Grid {
         [axis(b[0] - a[0], self.width, self.tile.x), axis(b[1] - a[1], self.height, self.tile.y)]
     }
 
-    /// The cells of a span moved to a place, as far as they are on the map: two runs where it
-    /// crosses a seam, never a cell twice.
+    /// The cells on the map of a span moved to a place: two runs where it crosses a seam. No cell occurs twice.
     #[inline]
-    pub(crate) fn parts(&self, span: Span, at: [i32; 2]) -> impl Iterator<Item = CellRun> + use<> {
+    pub(crate) fn runs(&self, span: Span, at: [i32; 2]) -> impl Iterator<Item = CellRun> + use<> {
         let (x0, x1, y) = (span.x0 + at[0], span.x1 + at[0], span.y + at[1]);
         let row = if self.tile.y { y.rem_euclid(self.height) } else { y };
-        let mut parts = [None, None];
+        let mut runs = [None, None];
         if (0..self.height).contains(&row) {
             if self.tile.x {
                 let (first, length) = (x0.rem_euclid(self.width), (x1 - x0).min(self.width));
                 // From the first column to the seam, then from the seam on.
                 let before = length.min(self.width - first);
-                parts[0] = Some(self.part([x0, y], row, first, first + before));
+                runs[0] = Some(self.run([x0, y], row, first, first + before));
                 if length > before {
-                    parts[1] = Some(self.part([x0 + before, y], row, 0, length - before));
+                    runs[1] = Some(self.run([x0 + before, y], row, 0, length - before));
                 }
             } else {
                 let (low, high) = (x0.max(0), x1.min(self.width));
                 if low < high {
-                    parts[0] = Some(self.part([low, y], row, low, high));
+                    runs[0] = Some(self.run([low, y], row, low, high));
                 }
             }
         }
-        parts.into_iter().flatten()
+        runs.into_iter().flatten()
     }
 
     /// The run from column `x0` to `x1` of a row of the map.
     #[inline]
-    fn part(&self, at: [i32; 2], row: i32, x0: i32, x1: i32) -> CellRun {
+    fn run(&self, at: [i32; 2], row: i32, x0: i32, x1: i32) -> CellRun {
         let start = row as usize * self.width as usize;
-        let run = |x0: i32, x1: i32| start + x0 as usize..start + x1.max(x0) as usize;
+        let indices = |x0: i32, x1: i32| start + x0 as usize..start + x1.max(x0) as usize;
         let [mx, my] = self.margin;
         // Where the map repeats there is no margin, and every row is one of the canvas.
-        let on_canvas = my == 0 || (my..self.whole - my).contains(&(row + self.first));
-        let canvas = if on_canvas { run(x0.max(mx), x1.min(self.width - mx)) } else { start..start };
-        CellRun { at, cells: run(x0, x1), canvas }
+        let on_canvas = my == 0 || (my..self.whole_height - my).contains(&(row + self.first_row));
+        let canvas = if on_canvas { indices(x0.max(mx), x1.min(self.width - mx)) } else { start..start };
+        CellRun { at, cells: indices(x0, x1), canvas }
     }
 
-    /// [`Grid::parts`] without their places.
+    /// The indices of [`Grid::runs`].
     #[inline]
     pub(crate) fn cells(&self, span: Span, at: [i32; 2]) -> impl Iterator<Item = Range<usize>> + use<> {
-        self.parts(span, at).map(|p| p.cells)
+        self.runs(span, at).map(|run| run.cells)
     }
 
     /// Index of the cell at a place, after wrapping, if it is on the canvas.
@@ -165,14 +169,13 @@ impl Grid {
         let [mx, my] = self.margin;
         let on_canvas = (mx..self.width - mx).contains(&x)
             && (0..self.height).contains(&y)
-            && (my == 0 || (my..self.whole - my).contains(&(y + self.first)));
+            && (my == 0 || (my..self.whole_height - my).contains(&(y + self.first_row)));
         on_canvas.then(|| self.index(x, y))
     }
 }
 
-/// Whether two intervals, each as low and high end, have a number in common on a circle of
-/// `period`, or on a line.
-fn meet(a: [i32; 2], b: [i32; 2], period: Option<i32>) -> bool {
+/// Whether two half-open intervals (low end, high end) overlap on a circle of length `period`, or on a line.
+fn overlap(a: [i32; 2], b: [i32; 2], period: Option<i32>) -> bool {
     match period {
         None => a[0] < b[1] && b[0] < a[1],
         Some(p) => (b[0] - a[0]).rem_euclid(p) < a[1] - a[0] || (a[0] - b[0]).rem_euclid(p) < b[1] - b[0],
@@ -180,11 +183,11 @@ fn meet(a: [i32; 2], b: [i32; 2], period: Option<i32>) -> bool {
 }
 
 impl Grid {
-    /// Whether two boxes (x0, y0, x1, y1), each around its place, have a cell in common.
+    /// Whether box `a` moved to `at` and box `b` moved to `place` have a cell in common; boxes are x0, y0, x1, y1.
     pub(crate) fn boxes_meet(&self, a: [i32; 4], at: [i32; 2], b: [i32; 4], place: [i32; 2]) -> bool {
         let periods = self.tile.periods([self.width, self.height]);
         (0..2).all(|k| {
-            meet([a[k] + at[k], a[k + 2] + at[k]], [b[k] + place[k], b[k + 2] + place[k]], periods[k])
+            overlap([a[k] + at[k], a[k + 2] + at[k]], [b[k] + place[k], b[k + 2] + place[k]], periods[k])
         })
     }
 }
@@ -196,7 +199,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn parts_are_the_cells_meant(
+        fn runs_are_the_wrapped_cells_of_a_span(
             w in 1..30u32, h in 1..20u32, x: bool, y: bool,
             x0 in -60..60i32, length in 1..40i32, row in -40..40i32,
         ) {
@@ -208,12 +211,12 @@ mod tests {
             }
             let got: Vec<usize> = grid.cells(span, [2, -1]).flatten().collect();
             prop_assert_eq!(&got, &wanted);
-            for part in grid.parts(span, [2, -1]) {
-                prop_assert_eq!(grid.cell(part.at), Some(part.cells.start));
-                for i in part.cells {
+            for run in grid.runs(span, [2, -1]) {
+                prop_assert_eq!(grid.cell(run.at), Some(run.cells.start));
+                for i in run.cells {
                     let [cx, cy] = grid.point(grid.place(i));
                     let inside = cx > 0.0 && cy > 0.0 && cx < f64::from(w) && cy < f64::from(h);
-                    prop_assert_eq!(inside, part.canvas.contains(&i));
+                    prop_assert_eq!(inside, run.canvas.contains(&i));
                     prop_assert_eq!(inside.then_some(i), grid.canvas_cell(grid.place(i)));
                 }
             }

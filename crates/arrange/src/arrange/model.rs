@@ -2,9 +2,9 @@
 //! exemplars' runs.
 //!
 //! A *variant* is an element in one of its variations (rotated, mirrored, scaled). Variants are numbered
-//! element by element; without variation there is one for each. The shape of a variant is made when it is
-//! first needed; its descriptor is the exemplar's arrangement seen through the same map. Elements and
-//! categories are numbered through all libraries, so categories of different libraries never meet.
+//! element by element; without variations each element has one variant. The shape of a variant is made when it
+//! is first needed; its descriptor is the exemplar's arrangement under the same map. Elements and categories
+//! have numbers that are unique over all libraries.
 
 use super::variation::Variation;
 use std::ops::{Index, Range};
@@ -46,21 +46,21 @@ impl VariantShape {
 /// A primary of one of the libraries, or a part of one.
 #[derive(Clone, Copy)]
 pub(crate) struct Placeable {
-    /// Which library.
+    /// Index of its library.
     pub(crate) library: usize,
-    /// Its index there.
+    /// Its index in that library.
     pub(crate) index: u32,
     /// Its centroid in the exemplar, rounded to whole pixels.
     pub(crate) origin: [i32; 2],
-    /// Its category.
+    /// Index of its category.
     pub(crate) category: usize,
     /// Its category as a cell of the target map; [`EMPTY`] if the category cannot be placed.
     pub(crate) code: u16,
-    /// Whole, and small enough for the canvas, so it may be placed anew.
+    /// Whether it may be placed: it is whole and fits on the canvas.
     pub(crate) placeable: bool,
-    /// Cut by the border of its exemplar.
+    /// Whether the border of its exemplar cuts it.
     pub(crate) clipped: bool,
-    /// Index among the fused elements, for one of these.
+    /// Its index in [`PlacementModel::fused`], if it is a fused part.
     pub(crate) fused: Option<u32>,
 }
 
@@ -87,13 +87,13 @@ pub(crate) struct PlacementModel {
     pub(crate) members: Vec<Vec<PlaceableId>>,
     /// Half the side of the largest descriptor, in pixels.
     pub(crate) half: i32,
-    /// Largest distance of a placeable pixel from its origin along an axis, in pixels.
+    /// Largest distance of a pixel of a placeable element from the origin along an axis, in pixels.
     pub(crate) reach: i32,
     /// Wanted share of the library's area, for each category; zero if no element of it can be placed.
     pub(crate) wanted: Vec<f64>,
     /// The variations; the first leaves elements as they are.
     pub(crate) variations: Vec<Variation>,
-    /// The shapes of each fused element.
+    /// The fused elements as they are drawn.
     pub(crate) fused: Vec<Element>,
     shapes: Vec<OnceLock<VariantShape>>,
 }
@@ -105,8 +105,14 @@ struct ArrangementRuns {
     wrap: bool,
     /// Index of each row's first run.
     rows: Vec<u32>,
-    /// End (exclusive) and label of each run.
-    runs: Vec<(i32, u32)>,
+    runs: Vec<LabelRun>,
+}
+
+/// Cells of one label in a row.
+struct LabelRun {
+    /// Column after the last cell.
+    end: i32,
+    label: u32,
 }
 
 impl ArrangementRuns {
@@ -117,14 +123,14 @@ impl ArrangementRuns {
             let mut x = 0;
             for run in map.row(y).chunk_by(|a, b| a == b) {
                 x += run.len() as i32;
-                runs.push((x, run[0]));
+                runs.push(LabelRun { end: x, label: run[0] });
             }
             rows.push(runs.len() as u32);
         }
         Self { width: map.width as i32, height: map.height as i32, wrap, rows, runs }
     }
 
-    fn row_of(&self, y: i32) -> &[(i32, u32)] {
+    fn row_of(&self, y: i32) -> &[LabelRun] {
         &self.runs[self.rows[y as usize] as usize..self.rows[y as usize + 1] as usize]
     }
 
@@ -143,8 +149,8 @@ impl ArrangementRuns {
             let shift = tile * self.width;
             let (low, high) = ((from - shift).max(0), (to - shift).min(self.width));
             let mut x = low;
-            let start = runs.partition_point(|r| r.0 <= low);
-            for &(end, label) in &runs[start..] {
+            let start = runs.partition_point(|run| run.end <= low);
+            for &LabelRun { end, label } in &runs[start..] {
                 if x >= high {
                     break;
                 }
@@ -162,12 +168,12 @@ impl ArrangementRuns {
             return None;
         }
         let runs = self.row_of(y);
-        runs.get(runs.partition_point(|r| r.0 <= x)).map(|r| r.1)
+        runs.get(runs.partition_point(|run| run.end <= x)).map(|run| run.label)
     }
 }
 
 impl PlacementModel {
-    /// From libraries, for the canvas and the variations that the parameters ask for.
+    /// The model of libraries, for the canvas and the variations of the parameters.
     pub(crate) fn new(libraries: &[Library], params: &SynthParams) -> Self {
         let variations = Variation::all(params);
         let mut model = Self {
@@ -187,15 +193,16 @@ impl PlacementModel {
         model
     }
 
+    /// Adds the elements and categories of a library.
     fn add(&mut self, library: &Library, params: &SynthParams) {
         let map = library.arrangement.to_labels();
         let wrap = library.arrangement.periodic;
         let torus = wrap.then_some([map.width as i32, map.height as i32]);
         let masks = Mask::all_of_labels(&map, library.primaries().len() + 1);
-        let (first, base) = (self.elements.len() as u32, self.members.len());
-        self.members.resize(base + library.categories.len(), Vec::new());
-        // A texton as large as the period would overlap itself.
-        let room = [(params.tile.x, params.width), (params.tile.y, params.height)]
+        let (first_element, first_category) = (self.elements.len() as u32, self.members.len());
+        self.members.resize(first_category + library.categories.len(), Vec::new());
+        // On a canvas that repeats, an element as large as the canvas would overlap itself.
+        let limit = [(params.tile.x, params.width), (params.tile.y, params.height)]
             .map(|(wrap, size)| if wrap { size as i32 } else { i32::MAX });
         let growth = self.variations.iter().map(Variation::growth).fold(1.0, f64::max);
         for (p, mask) in library.primaries().iter().zip(&masks[1..]) {
@@ -205,14 +212,14 @@ impl PlacementModel {
             let reach = b.map(i32::abs).into_iter().max().unwrap_or(0);
             let [w, h] = if self.variations.len() > 1 { [2 * reach; 2] } else { [b[2] - b[0], b[3] - b[1]] };
             let fits =
-                growth * f64::from(w) < f64::from(room[0]) && growth * f64::from(h) < f64::from(room[1]);
+                growth * f64::from(w) < f64::from(limit[0]) && growth * f64::from(h) < f64::from(limit[1]);
             let placeable = !p.clipped && shape.area > 0 && fits;
-            let category = base + p.category.map_or(0, CategoryId::index);
+            let category = first_category + p.category.map_or(0, CategoryId::index);
             if placeable {
                 self.members[category].push(PlaceableId(self.elements.len() as u32));
                 self.reach = self.reach.max(libm::ceil(growth * f64::from(reach)) as i32);
             }
-            let index = self.elements.len() as u32 - first;
+            let index = self.elements.len() as u32 - first_element;
             let library = self.sources.len();
             let (code, clipped, fused) = (EMPTY, p.clipped, None);
             self.elements.push(Placeable {
@@ -228,50 +235,51 @@ impl PlacementModel {
             self.shapes.push(OnceLock::from(shape));
             self.shapes.extend((1..self.variations.len()).map(|_| OnceLock::new()));
         }
-        for p in &mut self.elements[first as usize..] {
+        for p in &mut self.elements[first_element as usize..] {
             if !self.members[p.category].is_empty() && p.category < usize::from(UNDEFINED - 1) {
                 p.code = p.category as u16 + 1;
             }
         }
-        let count = self.members[base..].iter().map(Vec::len).sum::<usize>();
-        self.wanted.extend(wanted(library, &self.members[base..]));
+        let placeable = self.members[first_category..].iter().map(Vec::len).sum::<usize>();
+        self.wanted.extend(wanted(library, &self.members[first_category..]));
         self.half = self.half.max(library.descriptor_half as i32);
         self.sources.push(LibraryModel {
-            elements: first..self.elements.len() as u32,
-            categories: base..self.members.len(),
+            elements: first_element..self.elements.len() as u32,
+            categories: first_category..self.members.len(),
             half: library.descriptor_half as i32,
-            density: count as f64 / (f64::from(map.width) * f64::from(map.height)),
+            density: placeable as f64 / (f64::from(map.width) * f64::from(map.height)),
             exemplar: ArrangementRuns::new(&map, wrap),
         });
     }
 
-    /// Adds a part of a variant, as an element that is never drawn. Gives its variant.
+    /// Adds a part of a variant as an element that placement never chooses. Returns its variant.
     pub(crate) fn add_fused(&mut self, variant: VariantId, mask: Mask, painted: Element) -> VariantId {
         let element = PlaceableId(self.elements.len() as u32);
         let fused = Some(self.fused.len() as u32);
         self.elements.push(Placeable { placeable: false, fused, ..*self.element(variant) });
         self.fused.push(painted);
         let shape = OnceLock::from(VariantShape::new(mask));
-        // Only one of its variations is ever used.
+        // Only the variation of `variant` is used.
         self.shapes.extend((0..self.variations.len()).map(|_| OnceLock::new()));
         let part = self.varied(element, variant);
         self.shapes[part.0 as usize] = shape;
         part
     }
 
-    /// The order in which variants are painted: the larger, and fused ones before all.
+    /// Depth in the painting order, where the deepest is painted first: the area of a variant; fused parts lie
+    /// beneath all others.
     pub(crate) fn depth(&self, variant: VariantId) -> u32 {
         const BENEATH: u32 = 1 << 31;
         let area = self.shape(variant).area;
         if self.element(variant).fused.is_some() { BENEATH.saturating_add(area) } else { area }
     }
 
-    /// The element of a variant.
+    /// Index of the element of a variant.
     pub(crate) fn element_of(&self, variant: VariantId) -> PlaceableId {
         PlaceableId(variant.0 / self.variations.len() as u32)
     }
 
-    /// The element of a variant, with its origin and category.
+    /// The element of a variant.
     pub(crate) fn element(&self, variant: VariantId) -> &Placeable {
         &self[self.element_of(variant)]
     }
@@ -309,17 +317,16 @@ impl PlacementModel {
     /// The shape of a variant, made when first needed.
     pub(crate) fn shape(&self, variant: VariantId) -> &VariantShape {
         self.shapes[variant.0 as usize].get_or_init(|| {
-            let plain = self.in_variation(self.element_of(variant), 0);
-            let plain = &self.shapes[plain.0 as usize]
+            let unvaried = self.in_variation(self.element_of(variant), 0);
+            let unvaried = self.shapes[unvaried.0 as usize]
                 .get()
-                .expect("the first variant of each element is made at once")
-                .mask;
-            VariantShape::new(self.variation(variant).of_mask(plain))
+                .expect("the first variant of each element is made at once");
+            VariantShape::new(self.variation(variant).of_mask(&unvaried.mask))
         })
     }
 
-    /// Calls `visit(y, x0, x1, label)` for the runs of the window around a variant, relative to its
-    /// origin; label k is primary k - 1 of its library. Outside the exemplar there are none.
+    /// Calls `visit(y, x0, x1, label)` for the runs of the descriptor's window around a variant, relative to its
+    /// origin. Label k is primary k - 1 of its library, 0 the background. Places outside the exemplar have no run.
     pub(crate) fn window(&self, variant: VariantId, mut visit: impl FnMut(i32, i32, i32, u32)) {
         let element = self.element(variant);
         let LibraryModel { half, exemplar, .. } = &self.sources[element.library];
@@ -335,7 +342,7 @@ impl PlacementModel {
             let mut run: Option<(i32, u32)> = None;
             for x in -half..=half + 1 {
                 let label = if x <= *half {
-                    let [dx, dy] = variation.back([x, y]);
+                    let [dx, dy] = variation.source_pixel([x, y]);
                     exemplar.at([ox + dx, oy + dy])
                 } else {
                     None
@@ -353,7 +360,7 @@ impl PlacementModel {
         }
     }
 
-    /// Placeable textons per pixel, of all libraries on average.
+    /// Placeable elements per pixel of the exemplar, averaged over libraries.
     pub(crate) fn density(&self) -> f64 {
         self.sources.iter().map(|s| s.density).sum::<f64>() / self.sources.len() as f64
     }
@@ -379,8 +386,8 @@ impl Index<PlaceableId> for PlacementModel {
     }
 }
 
-/// Share of the canvas wanted of each category. The shares of categories that cannot be placed go to the
-/// others, as long as no share changes by more than a tenth.
+/// Wanted coverage of each category. The coverage of categories that cannot be placed is added to that of the
+/// others, in proportion and by at most a tenth of theirs.
 fn wanted(library: &Library, members: &[Vec<PlaceableId>]) -> Vec<f64> {
     let share = |c: usize| if members[c].is_empty() { 0.0 } else { library.categories[c].coverage };
     let possible: f64 = (0..members.len()).map(share).sum();

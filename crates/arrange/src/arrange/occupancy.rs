@@ -203,7 +203,7 @@ impl<'a> Occupancy<'a> {
         let id = PlacedId(self.placed.len() as u32);
         self.placed.push(Standing { variant, at, score, visible: 0, cells: 0, removed: false });
         for &span in shape.mask.spans() {
-            for CellRun { cells, canvas, .. } in self.grid.parts(span, at) {
+            for CellRun { cells, canvas, .. } in self.grid.runs(span, at) {
                 self.placed[id.0 as usize].cells += cells.len() as u32;
                 for i in cells {
                     match self.owner[i].as_placed() {
@@ -255,7 +255,7 @@ impl<'a> Occupancy<'a> {
         let shape = model.shape(variant);
         let own = Owner::placed(id);
         for &span in shape.mask.spans() {
-            for CellRun { cells, canvas, .. } in self.grid.parts(span, at) {
+            for CellRun { cells, canvas, .. } in self.grid.runs(span, at) {
                 for i in cells.filter(|&i| self.owner[i] == own).collect::<Vec<_>>() {
                     self.release(i, id, &canvas);
                     (self.owner[i], self.state[i]) = (Owner::NONE, EMPTY);
@@ -277,7 +277,7 @@ impl<'a> Occupancy<'a> {
                 continue;
             }
             for &span in other_shape.mask.spans() {
-                for CellRun { cells, canvas, .. } in self.grid.parts(span, place) {
+                for CellRun { cells, canvas, .. } in self.grid.runs(span, place) {
                     for i in cells {
                         if self.owner[i] == Owner::NONE {
                             self.own(i, other, &canvas);
@@ -323,7 +323,7 @@ impl<'a> Occupancy<'a> {
     pub(super) fn is_seen(&self, id: PlacedId) -> bool {
         let p = self.get(id);
         let spans = self.model.shape(p.variant).mask.spans().iter();
-        let canvas = spans.flat_map(|&s| self.grid.parts(s, p.at)).flat_map(|part| part.canvas);
+        let canvas = spans.flat_map(|&s| self.grid.runs(s, p.at)).flat_map(|run| run.canvas);
         let mut filled = canvas.filter(|&i| self.region.zone(i).is_some());
         filled.any(|i| self.owner[i] == Owner::placed(id))
     }
@@ -342,16 +342,15 @@ impl<'a> Occupancy<'a> {
 
     /// Number of cells under a variant at a place that are to be filled.
     pub(super) fn cells_inside(&self, variant: VariantId, at: [i32; 2]) -> u32 {
-        let parts = self.model.shape(variant).mask.spans().iter().flat_map(|&s| self.grid.parts(s, at));
-        parts
-            .map(|CellRun { canvas, .. }| {
-                if self.region.is_plain() {
-                    canvas.len() as u32
-                } else {
-                    canvas.filter(|&i| self.region.zone(i).is_some()).count() as u32
-                }
-            })
-            .sum()
+        let runs = self.model.shape(variant).mask.spans().iter().flat_map(|&s| self.grid.runs(s, at));
+        runs.map(|CellRun { canvas, .. }| {
+            if self.region.is_plain() {
+                canvas.len() as u32
+            } else {
+                canvas.filter(|&i| self.region.zone(i).is_some()).count() as u32
+            }
+        })
+        .sum()
     }
 
     /// Whether the edge allows a variant at a place.

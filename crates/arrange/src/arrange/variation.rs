@@ -1,4 +1,4 @@
-//! Textons turned, mirrored and scaled at random, within what the parameters allow.
+//! Random variations of textons: rotation, reflection and scaling within the ranges of the parameters.
 
 use vtex_base::raster::{Mask, Span};
 use vtex_base::sampling::stream;
@@ -7,7 +7,7 @@ use vtex_scene::scene::SynthParams;
 /// Number of variations of each texton: more than a viewer can distinguish. Their shapes are cached.
 const COUNT: usize = 32;
 
-/// A way to vary a texton: a linear map around its origin.
+/// A variation of a texton: a linear map around its origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Variation {
     /// Coefficients a b c d: x' = ax + cy, y' = bx + dy.
@@ -67,7 +67,7 @@ impl Variation {
     }
 
     /// Maps a place, relative to the origin, to whole pixels.
-    pub(crate) fn there(&self, place: [i32; 2]) -> [i32; 2] {
+    pub(crate) fn mapped_pixel(&self, place: [i32; 2]) -> [i32; 2] {
         apply(&self.matrix, place.map(f64::from)).map(|v| libm::round(v) as i32)
     }
 
@@ -77,11 +77,11 @@ impl Variation {
     }
 
     /// The source pixel of a pixel, both relative to the origin.
-    pub(crate) fn back(&self, pixel: [i32; 2]) -> [i32; 2] {
+    pub(crate) fn source_pixel(&self, pixel: [i32; 2]) -> [i32; 2] {
         apply(&self.inverse, pixel.map(|v| f64::from(v) + 0.5)).map(|v| libm::floor(v) as i32)
     }
 
-    /// A mask around the origin, varied: every pixel whose centre comes from within it.
+    /// Applies the variation to a mask around the origin: every pixel whose centre is mapped from within the mask.
     pub(crate) fn of_mask(&self, mask: &Mask) -> Mask {
         let Some((x0, y0, x1, y1)) = mask.bounds() else { return mask.clone() };
         if self.is_none() {
@@ -94,7 +94,7 @@ impl Variation {
         let mut spans = Vec::new();
         for y in low(1)..high(1) {
             let inside = |x: i32| {
-                let [u, v] = self.back([x, y]);
+                let [u, v] = self.source_pixel([x, y]);
                 mask.contains(u, v)
             };
             spans.extend((low(0)..high(0)).filter(|&x| inside(x)).map(|x| Span { y, x0: x, x1: x + 1 }));

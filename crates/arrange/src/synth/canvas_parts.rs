@@ -1,9 +1,10 @@
-//! Drawings beside other libraries on one canvas: each library has a part of the canvas to itself.
+//! Drawings beside other libraries on one canvas: each drawing has its own part of the canvas, and so have
+//! all photographs together.
 //!
-//! Photographs run into each other where they meet. Flat colours do not, and a drawing's elements cannot be
-//! placed by the surroundings of a photograph's. So each drawing makes a texture of its own, as it would
-//! alone, and all photographs make one together; of each, the part that its map gives it is kept. Drawings
-//! lie below, because elements on paper may reach beyond their part.
+//! Textures of photographs blend where they meet. Flat colours do not blend, and descriptors of photographs
+//! do not apply to elements of a drawing. So one texture is made for each drawing and one for all
+//! photographs. Each is made for the whole canvas and kept only in its part. Drawings lie below photographs,
+//! because elements of a drawing may extend beyond their part.
 
 use super::report::{CategoryReport, SynthReport};
 use super::{Controls, is_drawing};
@@ -18,9 +19,9 @@ use vtex_scene::scene::{
     Element, ElementId, Field, Instance, InstanceId, Layer, LibraryId, Role, Scene, SynthParams, joined,
 };
 
-/// Distance of the places of an element's box at which its part of the canvas is looked for, in pixels, and the
-/// fewest and most along a side.
-const APART: f64 = 12.0;
+/// Distance of the places of an element's box that are tested for a part of the canvas, in pixels.
+const PLACE_DISTANCE: f64 = 12.0;
+/// Least and largest number of these places along a side.
 const PLACES: [usize; 2] = [6, 64];
 
 /// Whether libraries have parts of their own: a drawing is among several.
@@ -28,7 +29,7 @@ pub(super) fn applies(libraries: &[Library], controls: &Controls) -> bool {
     libraries.len() > 1 && controls.structure.is_none() && libraries.iter().any(is_drawing)
 }
 
-/// The texture of the parts of all libraries, and how close it came.
+/// The scene of all parts, and its report.
 ///
 /// # Errors
 /// As [`synthesize_with`](super::synthesize_with).
@@ -59,7 +60,10 @@ pub(super) fn synthesize(
         };
         let (scene, report) = super::synthesize_with(&own, params, &of_group, progress)?;
         let region = g.checked_sub(1).map(|below| outlines[below].clone());
-        whole.add(scene, g, group, (region, report.period.is_some()));
+        // A texture that repeats its period exactly may be cut; others keep elements whole.
+        let still = scene.parameters.as_ref().is_some_and(|p| p.variation == Some(0.0));
+        let part = CanvasPart { number: g, region, is_cut: still && report.period.is_some() };
+        whole.add(scene, group, &part);
         reports.push((g, report));
     }
     let scene = whole.scene;
@@ -67,7 +71,7 @@ pub(super) fn synthesize(
     Ok((scene, report))
 }
 
-/// The libraries that make one texture together: each drawing alone, then all photographs.
+/// The libraries of each texture: one drawing each, then all photographs.
 fn groups(libraries: &[Library]) -> Vec<Vec<usize>> {
     let of = |kind: SourceKind| (0..libraries.len()).filter(move |&k| libraries[k].source.kind == kind);
     let mut groups: Vec<Vec<usize>> = of(SourceKind::Drawing).map(|k| vec![k]).collect();
@@ -99,18 +103,26 @@ fn parts(groups: &[Vec<usize>], params: &SynthParams, controls: &Controls) -> La
     }
 }
 
-/// The scene of all parts, and which part has each pixel.
+/// A part of the canvas.
+struct CanvasPart {
+    /// Its number in the map of parts.
+    number: usize,
+    /// Its outline; `None` for the lowest part, which needs none.
+    region: Option<Outline>,
+    /// Whether elements are cut at its border.
+    is_cut: bool,
+}
+
+/// The scene of all parts, and the part of each pixel.
 struct JoinedScene {
     scene: Scene,
     map: LayerMap,
 }
 
 impl JoinedScene {
-    /// Adds the elements of a texture in its part. A texture that repeats its period exactly may be cut at
-    /// the border of its part; others keep elements whole.
-    fn add(&mut self, scene: Scene, part: usize, group: &[usize], (region, period): (Option<Outline>, bool)) {
-        let still = scene.parameters.as_ref().is_some_and(|p| p.variation == Some(0.0));
-        let cut = period && still;
+    /// Adds the elements of a texture within its part; `group` are its libraries.
+    fn add(&mut self, scene: Scene, group: &[usize], part: &CanvasPart) {
+        let CanvasPart { number, region, is_cut } = part;
         self.scene.tile = scene.tile;
         self.scene.domain = scene.domain.clone();
         self.scene.parameters = scene.parameters.clone();
@@ -125,7 +137,11 @@ impl JoinedScene {
         for layer in std::iter::once(&background).chain(elements) {
             let kept = layer.instances.iter().filter(|i| {
                 let bounds = i.affine().transform_rect_bbox(scene.element(i).bounds());
-                if cut { self.reaches(bounds, part) } else { self.part_at(bounds.center()) == part as u32 }
+                if *is_cut {
+                    self.reaches(bounds, *number)
+                } else {
+                    self.part_at(bounds.center()) == *number as u32
+                }
             });
             let mut next = self.scene.count() as u32;
             let renumbered = |i: &Instance| {
@@ -134,7 +150,7 @@ impl JoinedScene {
                 Instance { id: InstanceId(next - 1), element, ..i.clone() }
             };
             let instances: Vec<Instance> = kept.map(renumbered).collect();
-            let clip = if cut || layer.field.is_some() { region.clone() } else { None };
+            let clip = if *is_cut || layer.field.is_some() { region.clone() } else { None };
             let name = self.free_name(&title, &layer.name);
             let (role, field) = (layer.role, layer.field.clone());
             self.scene.layers.push(Layer { name, role, region: clip, field, instances });
@@ -142,7 +158,7 @@ impl JoinedScene {
         self.scene.drop_unused();
     }
 
-    /// The part that a place of the canvas belongs to; beyond the canvas that of the nearest pixel.
+    /// The part that a place belongs to: that of the nearest pixel of the canvas.
     fn part_at(&self, p: Point) -> u32 {
         let labels = &self.map.labels;
         let along = |v: f64, size: u32, repeats: bool| {
@@ -156,7 +172,7 @@ impl JoinedScene {
 
     /// Whether a box reaches into a part.
     fn reaches(&self, b: Rect, part: usize) -> bool {
-        let count = |side: f64| ((side / APART) as usize + 2).clamp(PLACES[0], PLACES[1]);
+        let count = |side: f64| ((side / PLACE_DISTANCE) as usize + 2).clamp(PLACES[0], PLACES[1]);
         let [columns, rows] = [b.width(), b.height()].map(count);
         let place = |k: usize, count: usize, low: f64, side: f64| low + k as f64 / (count - 1) as f64 * side;
         let mut at = (0..columns * rows).map(|k| {
@@ -185,7 +201,7 @@ fn field(scene: &Scene) -> Option<Field> {
     joined(&fields).map(|field| field.into_owned())
 }
 
-/// Figures of the parts: each counts by its share of the canvas.
+/// The report of the whole canvas: shares are averaged over parts by area, counts are added.
 fn joined_report(
     libraries: &[Library],
     groups: &[Vec<usize>],

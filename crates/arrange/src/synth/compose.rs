@@ -1,4 +1,4 @@
-//! Scenes from what was placed, whichever method placed it.
+//! Composes scenes of placed elements, for all methods of placement.
 
 use crate::arrange::PlacementResult;
 use crate::arrange::controls::Controls;
@@ -10,7 +10,7 @@ use vtex_scene::scene::{
     Domain, Element, ElementId, Instance, InstanceId, Layer, LibraryId, Scene, SynthParams,
 };
 
-/// An element, and where a scene is to have it.
+/// A placed element.
 pub(crate) struct Placement<'a> {
     pub(crate) what: What<'a>,
     /// From the coordinates of the element to those of the canvas.

@@ -55,7 +55,7 @@ impl ExemplarSecondaries {
             let source = self.sources[random.index(self.sources.len())];
             let [x, y] = self.origins[source as usize].map(i64::from);
             let background = |p: &[i32; 2]| {
-                let [u, v] = variation.back(*p).map(i64::from);
+                let [u, v] = variation.source_pixel(*p).map(i64::from);
                 self.primaries.at(x + u, y + v).is_none_or(|label| label == 0)
             };
             let unlike = probes.iter().zip(&wanted).filter(|(p, w)| background(p) != **w).count();

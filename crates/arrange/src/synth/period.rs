@@ -7,6 +7,7 @@ use crate::arrange::period::{PeriodCopy, Repeated, place};
 use vtex_base::error::Result;
 use vtex_base::geometry::{Affine, Rect, rounded};
 use vtex_base::progress::Progress;
+use vtex_scene::element::SimilarTo;
 use vtex_scene::library::{ElementId, Library, SourceKind};
 use vtex_scene::scene::{Edge, InstanceId, Layer, LibraryId, Scene, SynthParams};
 
@@ -23,7 +24,7 @@ pub(super) fn applies(libraries: &[Library], params: &SynthParams, controls: &Co
     drawn && clips && !varied && controls.density.is_none() && controls.structure.is_none()
 }
 
-/// A texture of the exemplar's period, and how close it came.
+/// A texture that repeats the exemplar's period, and its report.
 ///
 /// # Errors
 /// As [`place`].
@@ -53,8 +54,8 @@ pub(super) fn synthesize(
     Ok((scene, report))
 }
 
-/// The elements that reach the canvas, layer by layer in painting order. Of equal elements the first stands for
-/// all.
+/// The elements that reach the canvas, layer by layer in painting order. Equal elements are instances of the
+/// first of their class.
 fn placements<'a>(
     library: &'a Library,
     params: &'a SynthParams,
@@ -67,11 +68,11 @@ fn placements<'a>(
     let mut ordered: Vec<&PeriodCopy> = repeated.placed.iter().filter(reaches).collect();
     ordered.sort_by_key(|p| p.order);
     ordered.into_iter().map(|p| {
-        let (first, from) = repeated.equal[p.element];
+        let SimilarTo { first, map } = repeated.equal[p.element];
         let [x, y] = library.elements[first].origin().map(f64::from);
         Placement {
             what: What::Known(LibraryId(0), ElementId::after(first), None),
-            transform: rounded(p.map * from * Affine::translate((x, y))),
+            transform: rounded(p.map * map * Affine::translate((x, y))),
             layer: p.order.0,
         }
     })

@@ -1,4 +1,4 @@
-//! Figures that say how close a synthesised scene is to its exemplar.
+//! The report of a synthesis: how close a scene is to its exemplar.
 
 use super::strata::StratumReport;
 use crate::arrange::PlacementResult;

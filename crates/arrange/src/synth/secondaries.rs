@@ -11,7 +11,7 @@
 
 use super::neighbourhoods::ExemplarSecondaries;
 use super::vacated::VacatedGround;
-use crate::arrange::correspondence::{Arrived, Correspondence};
+use crate::arrange::correspondence::{CopiedSecondary, Correspondence};
 use crate::arrange::occupancy::Occupancy;
 use crate::arrange::sites::{Sites, scattered};
 use crate::arrange::variation::Variation;
@@ -33,7 +33,8 @@ const CANDIDATES: usize = 8;
 const LEAST_VISIBLE: f64 = 0.3;
 /// Quantisation step of secondaries' colours, per sRGB component.
 const COLOUR_STEP: f64 = 5.0;
-/// The same of soft ones, each colour of which is a brush of the file.
+/// Quantisation step of the colours of soft secondaries. It is larger because each colour is a brush of the
+/// file.
 const SPOT_STEP: f64 = 12.0;
 
 /// A secondary on the canvas.
@@ -72,7 +73,7 @@ pub(crate) fn place(
     if params.without(Ablation::Secondary) {
         return Vec::new();
     }
-    let mut came = correspondence.map_or_else(Vec::new, |c| arrived(libraries, map, c, params.seed));
+    let mut came = correspondence.map_or_else(Vec::new, |c| copied(libraries, map, c, params.seed));
     let vacated = correspondence.map(|c| VacatedGround::new(map, c)).filter(|ground| !ground.is_empty());
     if let Some(ground) = vacated {
         came.extend(on_vacated_ground(libraries, map, field, &ground, params));
@@ -96,7 +97,7 @@ pub(crate) fn place(
 
 /// Secondaries copied along the correspondence field. They keep their exemplar colours, because the
 /// background beneath them is copied too.
-fn arrived(
+fn copied(
     libraries: &[Library],
     map: &Occupancy<'_>,
     correspondence: &Correspondence,
@@ -106,7 +107,7 @@ fn arrived(
     let mut random = stream(seed, "correspondence/secondaries", 0);
     for (number, library) in libraries.iter().enumerate() {
         let samples: Vec<Vec<[f64; 2]>> = library.secondaries().iter().map(samples).collect();
-        let placed_at = |Arrived { secondary, at, variation }| {
+        let placed_at = |CopiedSecondary { secondary, at, variation }| {
             let own = &library.secondaries()[secondary as usize];
             let colour =
                 if own.base().is_soft() { own.colour } else { coarse(own.colour.to_f64(), COLOUR_STEP) };
@@ -159,8 +160,9 @@ fn is_served(map: &Occupancy<'_>, at: [i32; 2]) -> bool {
     map.grid.canvas_cell(at).is_some_and(|i| map.region.cell_is_carried(i))
 }
 
-/// Gives each the colour of the background beneath it plus its own difference, clamped to the tones of its
-/// exemplar: dark flecks of pale background would become too dark on dark background.
+/// Gives each secondary the colour of the background beneath it plus its own difference. Colours are clamped
+/// to the range of the exemplar's secondaries: dark flecks of a pale background would become too dark on a
+/// dark one.
 pub(crate) fn painted(
     libraries: &[Library],
     placed: Vec<PlacedSecondary>,
@@ -195,9 +197,9 @@ fn tones(library: &Library) -> [[f64; 2]; 3] {
 }
 
 impl PlacedSecondary {
-    /// Sort key for painting. Soft ones lie below, in the order of the exemplar. Others hardly overlap, so their
-    /// order matters little: equal fills stand side by side, for smaller files, and fills are mixed, so that no tone
-    /// is always on top.
+    /// Sort key for painting. Soft ones lie below, in the order of the exemplar. Others hardly overlap, so
+    /// their order is nearly free: equal fills are adjacent, which makes files smaller, and the order of
+    /// fills is random, so that no tone is always on top.
     pub(crate) fn painting_key(&self, libraries: &[Library]) -> impl Ord + use<> {
         let is_soft = libraries[self.library].secondaries()[self.secondary as usize].base().is_soft();
         let [r, g, b] = self.colour.0.map(u32::from);
@@ -305,7 +307,7 @@ impl SecondaryTask<'_, '_> {
         let source = exemplar.best_source(here, CANDIDATES, varied, free, random);
         let mut found = Vec::new();
         exemplar.around(source, |secondary, offset| {
-            let [dx, dy] = varied.there(offset);
+            let [dx, dy] = varied.mapped_pixel(offset);
             let at = [here[0] + dx, here[1] + dy];
             if in_cell(at) {
                 let density = map.region.density(at.map(f64::from));
@@ -391,10 +393,10 @@ impl<'t, 'a> SecondaryFinder<'t, 'a> {
 
     /// Whether enough of a secondary is visible.
     pub(crate) fn fits(&self, p: &PlacedSecondary) -> bool {
-        self.sees(&SecondaryPlace { secondary: p.secondary, at: p.at, variation: p.variation })
+        self.is_visible(&SecondaryPlace { secondary: p.secondary, at: p.at, variation: p.variation })
     }
 
-    fn sees(&self, place: &SecondaryPlace) -> bool {
+    fn is_visible(&self, place: &SecondaryPlace) -> bool {
         visible(self.task.map, &self.samples[place.secondary as usize], place) >= LEAST_VISIBLE
     }
 
@@ -406,19 +408,19 @@ impl<'t, 'a> SecondaryFinder<'t, 'a> {
         random: &mut Stream,
     ) -> Vec<PlacedSecondary> {
         let mut places = self.task.neighbourhood(&self.exemplar, here, in_cell, random);
-        places.retain(|place| self.sees(place));
+        places.retain(|place| self.is_visible(place));
         places.into_iter().map(|place| self.task.placed(place)).collect()
     }
 
     /// Single secondaries in the gaps between existing ones, where the library has more than half the share.
-    pub(crate) fn singles(&self, standing: Vec<[i32; 2]>) -> Vec<PlacedSecondary> {
+    pub(crate) fn fill_gaps(&self, standing: Vec<[i32; 2]>) -> Vec<PlacedSecondary> {
         let mut places: Vec<SecondaryPlace> =
             standing.into_iter().map(|at| SecondaryPlace { secondary: 0, at, variation: 0 }).collect();
         let count = places.len();
         let region = &self.task.map.region;
         let own =
             |at: [i32; 2]| !region.is_shared() || region.shares(at.map(f64::from))[self.task.number] > 0.5;
-        self.task.fill_gaps(&mut places, |place| own(place.at) && self.sees(place));
+        self.task.fill_gaps(&mut places, |place| own(place.at) && self.is_visible(place));
         places.drain(count..).map(|place| self.task.placed(place)).collect()
     }
 }

@@ -148,13 +148,13 @@ fn no_secondary_is_hidden() {
     assert!(report.secondaries > 50);
     for instance in scene.secondary() {
         let [x, y] = [instance.transform[4] as i64, instance.transform[5] as i64];
-        // A test secondary is the four pixels around its origin.
+        // Test secondaries cover the four pixels around their origin.
         let seen =
             [(-1, -1), (0, -1), (-1, 0), (0, 0)].iter().any(|(dx, dy)| map.at(x + dx, y + dy) == Some(0));
         assert!(seen, "{x} {y}");
         assert!(instance.colour.is_some());
     }
-    // The number per area of background is the exemplar's.
+    // The number of secondaries per area of background is the exemplar's.
     let background = |coverage: f64, w: u32, h: u32| (1.0 - coverage) * f64::from(w) * f64::from(h);
     let wanted = library.secondaries().len() as f64 / background(library.coverage, 200, 200);
     let got = report.secondaries as f64 / background(report.coverage, 400, 300);
@@ -207,7 +207,7 @@ fn any_size_and_parameter_is_survived() {
     let mut torus = whole.clone();
     torus.arrangement.periodic = true;
     assert!(run(&torus, &params(90, 90, 1)).1.coverage > 0.3);
-    // Descriptors of no size, impossible coverage, no placeable element.
+    // Extreme libraries: descriptors of size 0, unreachable coverage, no placeable element.
     whole.descriptor_half = 0;
     assert!(run(&whole, &params(90, 90, 1)).1.coverage > 0.3);
     whole.coverage = 1.0;
@@ -402,7 +402,7 @@ mod carried {
         assert!(carried > 0.12 && carried > 5.0 * drawn, "{carried} {drawn}");
     }
 
-    /// Bricks of 24 x 14 px in courses, half a brick further in each second.
+    /// Bricks of 24 x 14 px in courses, every second one shifted by half a brick.
     fn bricks() -> Library {
         let mut map = LabelMap::filled(240, 200, 0);
         let mut label = 0;
@@ -424,7 +424,8 @@ mod carried {
         library
     }
 
-    /// Share of the whole elements of a scene whose way from their place in the exemplar is a vector of bricks.
+    /// Share of the whole elements of a scene whose offset from their place in the exemplar is a vector of
+    /// the lattice of bricks.
     fn in_bond(library: &Library, scene: &Scene) -> f64 {
         let whole = || scene.primary().iter().filter(|i| !scene.element(i).fused);
         let kept = |i: &&Instance| {

@@ -1,8 +1,8 @@
 //! Synthesis in the units of libraries: placement works on pixels, canvases and scenes have the units of the
 //! exemplars.
 //!
-//! Of photographs the canvas has as many pixels for a unit as the finest of them; of drawings alone as many
-//! as their arrangements, unless the canvas is too large for that.
+//! The number of pixels per unit is that of the finest photograph. Without photographs it is that of the
+//! finest drawing, reduced on large canvases.
 
 use super::{Controls, SynthReport, check_canvas, in_pixels, method};
 use crate::arrange::period::check_periods;
@@ -12,7 +12,7 @@ use vtex_base::progress::Progress;
 use vtex_scene::library::{Library, SourceKind};
 use vtex_scene::scene::{Domain, Method, Scene, SynthParams};
 
-/// Pixels of a canvas beyond which drawings get fewer of them for a unit.
+/// Number of pixels of a canvas above which drawings have fewer pixels per unit.
 const MOST_PIXELS: f64 = 25e6;
 
 /// [`synthesize`](super::synthesize) from several libraries and with control maps. Also reports how close the
@@ -77,7 +77,7 @@ fn mean(scale: [f64; 2]) -> f64 {
     libm::sqrt(scale[0] * scale[1])
 }
 
-/// Pixels for each unit of the canvas.
+/// Pixels per unit of the canvas, along x and y.
 fn scale(libraries: &[Library], params: &SynthParams) -> [f64; 2] {
     let finest = |kind: SourceKind| {
         let of_kind = libraries.iter().filter(|l| l.source.kind == kind).map(|l| l.source.scale);
@@ -89,12 +89,12 @@ fn scale(libraries: &[Library], params: &SynthParams) -> [f64; 2] {
     let scale = finest(SourceKind::Drawing).unwrap_or([1.0; 2]);
     let canvas = f64::from(params.width) * f64::from(params.height);
     let most = libm::sqrt(MOST_PIXELS / canvas).max(1.0);
-    // Whole parts, so that few borders of pixels move.
+    // Divided by a whole number, so that most borders between pixels keep their places.
     let part = libm::ceil(mean(scale) / most).max(1.0);
     scale.map(|v| v / part)
 }
 
-/// The canvas in pixels. Where a period repeats without a seam it is a whole number of them long.
+/// The canvas in pixels. Along axes along which a period repeats, it is a whole number of periods long.
 fn canvas(own: &[Library], params: &SynthParams, scale: [f64; 2], period: bool) -> [u32; 2] {
     let side = |size: u32, scale: f64, tile: bool, pixels: u32| {
         let exact = f64::from(size) * scale;

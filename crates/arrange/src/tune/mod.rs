@@ -1,23 +1,22 @@
-//! The weights of the score searched for one library.
+//! Searches the weights of the score for one library.
 //!
-//! The weights are judged by more than area. For each set of weights primaries are
-//! placed on several canvases, and the objective is a weighted sum of four terms ([`Terms`]):
+//! For each set of weights primaries are placed on several canvases. The objective is a weighted sum of four
+//! terms ([`Terms`]):
 //!
-//! * *coverage*, category by category, as placement alone leaves it. After density has been
-//!   corrected every set of weights has the right coverage, but those that leave much to correct pay
-//!   for it with textons that no descriptor asked for;
-//! * *overlap*, *repetition* and *correlation* as they are in the end, because that is what is seen.
+//! * *coverage*, category by category, before density is corrected. The correction reaches the wanted
+//!   coverage with any weights, but it adds textons that no descriptor requested;
+//! * *overlap*, *repetition* and *correlation* after the correction.
 //!
-//! The score is homogeneous, so one weight stands for the scale of all and keeps its default. The
-//! others keep their signs, and their logarithms are searched at random: in each round the best set so far
-//! and sets drawn around it are judged, and the best of them goes on with a smaller step.
+//! Only the ratios of the weights matter, so one weight keeps its default. The others keep their signs, and
+//! their logarithms are searched at random: each round compares the best set so far with sets drawn around
+//! it, and the step shrinks from round to round.
 //!
-//! Every round has canvases of its own, so that the search cannot learn the chances of a few. The answer is
-//! judged on canvases that the search has not seen, and where it is no better than the weights to begin
-//! with, these are the answer.
+//! Every round has new canvases, so that the search does not fit the random draws of a few. The result is
+//! compared with the initial weights on further canvases; unless it is better there, the initial weights are
+//! returned.
 //!
-//! When this works badly: where all weights do about equally well. What they change most is how much
-//! is left for density to correct; arrangements as seen in the end hardly depend on them.
+//! Works badly where all weights give about the same objective. Weights mainly change how much density has to
+//! correct; the final arrangement hardly depends on them.
 
 mod document;
 #[cfg(test)]
@@ -50,14 +49,14 @@ const ROUND: u32 = 8;
 const STEP: f64 = 1.0;
 /// Factor of the step from round to round.
 const SHRINKING: f64 = 0.9;
-/// Canvases on which the answer is judged, for each of a set of weights in the search.
+/// Number of canvases of the final comparison, as a multiple of those in the search.
 const UNSEEN: u32 = 4;
 
 /// How weights are searched.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TuneParams {
-    /// How scenes are placed: size, seed, candidates, moves. The weights are those to begin with.
-    /// Default: as [`SynthParams`], but of [`TuneParams::SIDE`].
+    /// How scenes are placed: size, seed, candidates, moves, and the initial weights. Default: as
+    /// [`SynthParams`], with canvases of [`TuneParams::SIDE`].
     pub synth: SynthParams,
     /// Canvases placed for each set of weights.
     pub seeds: u32,
@@ -99,10 +98,10 @@ impl TuneParams {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Terms {
-    /// Coverage missing or too much, category by category, before density is corrected, as a share
-    /// of the coverage wanted.
+    /// Sum of the absolute errors of coverage by category, before density is corrected, as a share of the
+    /// wanted coverage.
     pub coverage: f64,
-    /// Share of the area of primaries beneath others.
+    /// Share of the area of primaries that other primaries hide.
     pub overlap: f64,
     /// Share of the primaries with a copy nearer than two mean neighbour distances.
     pub repetition: f64,
@@ -127,7 +126,7 @@ struct Judge<'a> {
     exemplar: PairCorrelations,
 }
 
-/// The part of one canvas in the terms.
+/// The measures of one canvas.
 struct Sample {
     terms: Terms,
     correlation: PairCorrelations,
@@ -170,7 +169,7 @@ impl<'a> Judge<'a> {
         })
     }
 
-    /// Mean terms of several canvases; their pairs are put together first.
+    /// Mean terms of several canvases. Pair correlations are added up before they are compared.
     fn together(&self, samples: &[Sample]) -> Terms {
         let mean = |f: fn(&Terms) -> f64| {
             samples.iter().map(|s| f(&s.terms)).sum::<f64>() / samples.len().max(1) as f64
@@ -254,8 +253,8 @@ fn coordinates(w: &Weights) -> [f64; 4] {
         .map(|v| libm::log((v.abs() / scale).clamp(RANGE[0], RANGE[1])))
 }
 
-/// Weights at a point of the search, with the signs and the target of those to begin with, on a
-/// grid of thousandths.
+/// Weights at a point of the search, rounded to thousandths, with the signs and the target weight of the
+/// initial ones.
 fn at(begin: &Weights, point: [f64; 4]) -> Weights {
     let scale = begin.target.abs().max(1e-3);
     let size = |k: usize, sign: f64| {
@@ -271,8 +270,7 @@ fn at(begin: &Weights, point: [f64; 4]) -> Weights {
     }
 }
 
-/// Shows how far the search is, whatever the placements within it report, and stops them when
-/// asked to.
+/// Reports the progress of the search in place of that of single placements, and stops these on request.
 struct TuneProgress<'a> {
     progress: &'a dyn Progress,
     done: u64,

@@ -45,7 +45,7 @@ pub(super) fn field(
     let mut field = Field { points: Vec::new(), ..old.clone() };
     let held: Vec<&ControlPoint> = old.points.iter().filter(|p| bend.holds([p.x, p.y])).collect();
     let places: Vec<[f64; 2]> = held.iter().map(|p| bend.point([p.x, p.y])).collect();
-    for i in apart(&places, CROWDED_POINTS * spacing) {
+    for i in spaced(&places, CROWDED_POINTS * spacing) {
         let [x, y] = places[i].map(|v| libm::round(v * 100.0) / 100.0);
         field.points.push(ControlPoint { x, y, colour: held[i].colour });
     }
@@ -92,7 +92,7 @@ pub(super) fn secondaries<'s>(
     let old_canvas = [scene.width, scene.height].map(f64::from);
     let centres = scattered(old_canvas, reach, reach, &mut random);
     let bent: Vec<[f64; 2]> = centres.iter().map(|&c| bend.point(c)).collect();
-    let kept = apart(&bent, CROWDED * reach);
+    let kept = spaced(&bent, CROWDED * reach);
     let before: Vec<[i32; 2]> = kept.iter().map(|&i| whole(centres[i])).collect();
     let mut after: Vec<[i32; 2]> = kept.iter().map(|&i| whole(bent[i])).collect();
     let carried_cells = after.len();
@@ -140,7 +140,7 @@ pub(super) fn secondaries<'s>(
     }
     for (library, finder) in finders.iter().enumerate() {
         if let Some(finder) = finder {
-            fresh.extend(finder.singles(std::mem::take(&mut standing[library])));
+            fresh.extend(finder.fill_gaps(std::mem::take(&mut standing[library])));
         }
     }
     let painted = secondaries::painted(libraries, fresh, interpolant);
@@ -162,7 +162,7 @@ fn scattered(canvas: [f64; 2], margin: f64, radius: f64, random: &mut Stream) ->
 
 /// Indices of points that are at least `distance` apart. A point is dropped if it is too near an earlier
 /// one that is kept.
-fn apart(points: &[[f64; 2]], distance: f64) -> Vec<usize> {
+fn spaced(points: &[[f64; 2]], distance: f64) -> Vec<usize> {
     let mut cells: BTreeMap<[i64; 2], Vec<usize>> = BTreeMap::new();
     let mut kept = Vec::new();
     for (i, p) in points.iter().enumerate() {

@@ -49,8 +49,8 @@ pub(super) fn matched(scene: &Scene, libraries: Vec<Library>) -> Result<(Vec<Lib
     Ok((found, scene))
 }
 
-/// Whether an element of a scene has the outline of an element of its library. Where a unit is no pixel of the
-/// arrangement, both are compared in these pixels, in which the scene was made.
+/// Whether an element of a scene has the outline of an element of its library. Outlines are compared in
+/// pixels of the arrangement, in which the scene was made.
 fn is_shape_of(library: &Library, known: &library::ExemplarElement, element: &Element) -> bool {
     if library.is_in_pixels() {
         return translated(known.outline(), known.origin()) == *element.outline();

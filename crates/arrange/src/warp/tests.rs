@@ -1,4 +1,4 @@
-//! A warp keeps, fills and thins.
+//! Properties of warps.
 
 use super::*;
 use crate::synth::synthesize_with;
@@ -11,7 +11,7 @@ fn source() -> Library {
     library(&mosaic(160, 14.0, 0.6, 1))
 }
 
-/// A scene with the share of it that primaries cover.
+/// A scene and the share of it that primaries cover.
 fn scene(params: SynthParams) -> (Scene, f64) {
     let (scene, report) = synthesize_with(&[source()], &params, &Controls::default(), &()).unwrap();
     (scene, report.coverage)
@@ -133,7 +133,7 @@ fn libraries_stay_apart() {
     let params = plain();
     let (before, _) = synthesize_with(&[one.clone(), two.clone()], &params, &controls, &()).unwrap();
     let bend = Bend::scale(&before, [1.5, 1.5]).unwrap();
-    // In any order.
+    // Libraries may be given in any order.
     let (after, _) = warp(&before, vec![two, one.clone()], &bend, WarpParams::default(), &()).unwrap();
     let strays = after.primary().iter().filter(|i| {
         let library = after.elements[i.element.index()].library;

@@ -79,7 +79,7 @@ impl Cage {
         for i in 0..count {
             let ((a, ra), (b, rb)) = (spoke(i), spoke(next(i)));
             let along = ra * rb + a.dot(b);
-            // The side subtends half a turn: the point lies on it.
+            // A side that subtends half a turn contains the point.
             if along <= 1e-12 * ra * rb {
                 let share = if ra > 0.0 { ra / (ra + rb) } else { 0.0 };
                 return self.after[i].lerp(self.after[next(i)], share);

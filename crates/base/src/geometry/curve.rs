@@ -1,4 +1,4 @@
-//! Curves: paths that may be open, such as strokes follow.
+//! Curves: paths that may be open, such as those of strokes.
 
 use super::{Affine, BezPath, PathEl, parse_path, path_text, write_path};
 #[cfg(feature = "schema")]

@@ -15,7 +15,8 @@ pub struct SecondMoments {
 }
 
 impl SecondMoments {
-    /// Moments of an outline; all zero but the centroid, the middle of its bounds, if its area is.
+    /// Moments of an outline. If its area is 0, all are 0 except the centroid, which is the middle of its
+    /// bounds.
     pub fn new(outline: &Outline) -> Self {
         Moments::new(outline).second
     }

@@ -2,8 +2,8 @@
 
 use super::colour::Colour;
 
-/// A name for each colour, all different: names of equal colours say which is darker, or are numbered
-/// from the darkest on where there are more than three.
+/// A different name for each colour. Where several have the same plain name, they are distinguished by
+/// lightness, or by numbers from the darkest on if there are more than three.
 pub fn distinct(colours: &[Colour]) -> Vec<String> {
     let mut names: Vec<String> = colours.iter().map(|&colour| name(colour)).collect();
     for i in 0..names.len() {

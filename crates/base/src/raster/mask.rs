@@ -76,8 +76,8 @@ impl Mask {
         masks
     }
 
-    /// The mask of a picture of size `from` where that picture is stretched to the size `to`: the pixels whose
-    /// centres come to lie in it. Enlarging and then reducing gives the same mask.
+    /// The mask after its picture is stretched from the size `from` to the size `to`: the pixels whose
+    /// centres lie in the stretched mask. Enlarging and then reducing gives the same mask.
     pub fn stretched(&self, from: [u32; 2], to: [u32; 2]) -> Self {
         // The first pixel whose centre lies at or beyond an edge.
         let first = |edge: i32, axis: usize| {

@@ -8,7 +8,7 @@ use image::RgbImage;
 /// How pixels are weighted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Filter {
-    /// The mean of the pixels that become one; between two pixels when enlarging.
+    /// The mean of the pixels that become one when reducing; linear interpolation when enlarging.
     Triangle,
     /// Catmull and Rom's cubic: sharp when enlarging.
     CatmullRom,

@@ -137,8 +137,7 @@ pub(super) fn assemble(
     let go_on = || advance(progress, "drawing", 3, 4);
     let DrawingOrigin { wrap, scale: [width, height], .. } = origin;
     let size = [f64::from(width), f64::from(height)];
-    let map = Affine::scale_non_uniform(size[0] / page.size[0], size[1] / page.size[1]);
-    let drafts = drafts(page, pieces, &origin, (map, size), &go_on)?;
+    let drafts = drafts(page, pieces, &origin, size, &go_on)?;
     let mut labels = LabelMap::filled(width, height, 0);
     for (k, draft) in drafts.iter().enumerate() {
         go_on()?;
@@ -146,21 +145,21 @@ pub(super) fn assemble(
     }
     let areas = labels.areas();
     let pixels = size[0] * size[1];
-    let seen = |k: usize| areas.get(k + 1).map_or(0.0, |a| f64::from(*a));
-    let mut made: Vec<ExemplarElement> = Vec::with_capacity(drafts.len());
+    let visible = |k: usize| areas.get(k + 1).map_or(0.0, |a| f64::from(*a));
+    let mut elements: Vec<ExemplarElement> = Vec::with_capacity(drafts.len());
     for draft in &drafts {
         go_on()?;
-        made.push(element(draft, size, wrap));
+        elements.push(element(draft, size, wrap));
     }
-    let shares: Vec<f64> = (0..made.len()).map(|k| seen(k) / pixels).collect();
+    let shares: Vec<f64> = (0..elements.len()).map(|k| visible(k) / pixels).collect();
     let params = &origin.params.analyze;
     go_on()?;
-    let categories = categorise(&mut made, &shares, params.categories.most());
+    let categories = categorise(&mut elements, &shares, params.categories.most());
     let coverage = categories.iter().fold(0.0, |sum, c| sum + c.coverage).min(1.0);
-    let spacing = libm::sqrt(pixels / (made.len().max(1) as f64));
+    let spacing = libm::sqrt(pixels / (elements.len().max(1) as f64));
     let most = width.min(height) / 2;
     let mut warnings = page.warnings.clone();
-    if made.is_empty() {
+    if elements.is_empty() {
         warnings.push("the drawing holds nothing but a background".into());
     }
     let analyze = AnalyzeParams { wrap, ..params.clone() };
@@ -187,7 +186,7 @@ pub(super) fn assemble(
             warnings,
         },
         layers,
-        elements: made,
+        elements,
         categories,
         coverage,
         arrangement: Arrangement { periodic: wrap, ..Arrangement::from_labels(&labels) },
@@ -232,9 +231,9 @@ fn drawn(
 ) -> Result<(Vec<Vec<Shape>>, Vec<Mask>)> {
     let (mut shapes, mut masks) = (Vec::with_capacity(pieces.len()), Vec::with_capacity(pieces.len()));
     let mut runs = 0;
-    for some in pieces.chunks(AT_ONCE) {
+    for chunk in pieces.chunks(AT_ONCE) {
         go_on()?;
-        for (own, mask) in parallel::map(some, &draw) {
+        for (own, mask) in parallel::map(chunk, &draw) {
             runs += mask.spans().len();
             shapes.push(own);
             masks.push(mask);
@@ -257,9 +256,10 @@ fn drafts(
     page: &DrawingPage,
     pieces: &[DrawingPiece],
     origin: &DrawingOrigin<'_>,
-    (map, size): (Affine, [f64; 2]),
+    size: [f64; 2],
     go_on: &dyn Fn() -> Result<()>,
 ) -> Result<Vec<Draft>> {
+    let map = Affine::scale_non_uniform(size[0] / page.size[0], size[1] / page.size[1]);
     let torus = Torus::new(page.size);
     let wrap = origin.wrap;
     let pixels = size[0] / page.size[0];
@@ -274,10 +274,10 @@ fn drafts(
     };
     let (drawn, masks) = drawn(pieces, origin.name, draw, go_on)?;
     let sides = size.map(|v| v as i32);
-    let (seen, mut contacts) = contact::ContactPage::new(sides, wrap, &masks);
+    let (visible, mut contacts) = contact::ContactPage::new(sides, wrap, &masks);
     let reach = 2.5 * NEAREST * libm::sqrt(size[0] * size[1]);
-    seen.near(libm::ceil(reach).min(400.0) as u16, &mut contacts);
-    let known = PieceProperties {
+    visible.near(libm::ceil(reach).min(400.0) as u16, &mut contacts);
+    let properties = PieceProperties {
         page,
         pieces,
         cut: cut.clone(),
@@ -288,8 +288,8 @@ fn drafts(
     };
     drop(masks);
     go_on()?;
-    let mut sets = elements(&known, &drawn, origin.params.analyze.elements);
-    endless(&known, &mut sets);
+    let mut sets = elements(&properties, &drawn, origin.params.analyze.elements);
+    mark_endless(&properties, &mut sets);
     // Shapes that were cut extend beyond the border.
     let widened = |k: usize| -> Vec<Shape> {
         if !cut[k] {
@@ -320,10 +320,10 @@ fn drafts(
 }
 
 /// Marks the endless pieces: those that touch their own copy a period away.
-fn endless(known: &PieceProperties<'_>, sets: &mut Offsets) {
-    for (&(a, b, shift), contact) in &known.contacts {
+fn mark_endless(properties: &PieceProperties<'_>, sets: &mut Offsets) {
+    for (&(a, b, shift), contact) in &properties.contacts {
         let same = sets.find(a as usize).0 == sets.find(b as usize).0;
-        if contact.gap == 0 && same && (known.cut[a as usize] || a == b) {
+        if contact.gap == 0 && same && (properties.cut[a as usize] || a == b) {
             sets.join(a as usize, b as usize, shift);
         }
     }
@@ -361,7 +361,7 @@ fn draft(
     Draft { shapes, layer, order, mask: all, endless }
 }
 
-/// The pixels that shapes paint, as far as they lie on the page, or within a page around one that wraps.
+/// The pixels that shapes paint on the page; for a page that wraps, also those up to a page away.
 fn mask(shapes: &[Shape], size: [f64; 2], wrap: bool) -> Mask {
     let [w, h] = size.map(|v| v as i32);
     let (low, high) = if wrap { ([-w, -h], [2 * w, 2 * h]) } else { ([0, 0], [w, h]) };

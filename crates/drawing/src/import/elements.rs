@@ -30,7 +30,7 @@ pub(super) const NEAREST: f64 = 0.016;
 pub(super) struct PieceProperties<'a> {
     pub(super) page: &'a DrawingPage,
     pub(super) pieces: &'a [DrawingPiece],
-    /// Whether each piece remains cut by the border of a page that wraps.
+    /// Whether each piece is still cut by the border of a page that wraps.
     pub(super) cut: Vec<bool>,
     /// Bounds of each, in pixels.
     pub(super) bounds: Vec<Rect>,
@@ -122,7 +122,7 @@ impl PieceProperties<'_> {
         }
     }
 
-    /// Joins pieces for whose contact `says` holds, if the result is small and not endless.
+    /// Joins pieces whose contact satisfies `says`, if the result is small and not endless.
     fn join_where(&self, sets: &mut Offsets, says: impl Fn(&Contact, Pair) -> bool) {
         let mut trial = sets.clone();
         let mut pairs = Vec::new();
@@ -156,8 +156,8 @@ impl PieceProperties<'_> {
         all
     }
 
-    /// The largest distance between parts of one element, where distances fall into two kinds: short ones
-    /// within elements, long ones between them.
+    /// The largest distance between parts of one element. It exists if distances fall into two kinds: short
+    /// ones within elements and long ones between them.
     fn joint(&self, sets: &Offsets) -> Option<u16> {
         // The lengths of a minimum spanning forest of near pieces.
         let mut pairs: Vec<(u16, Pair)> = self.contacts.iter().map(|(p, c)| (c.gap, *p)).collect();
@@ -173,7 +173,7 @@ impl PieceProperties<'_> {
         }
         let most = NEAREST * libm::sqrt(self.size[0] * self.size[1]);
         let reach = gaps.last().copied()?;
-        // Distances beyond the last belong to pieces that are not near.
+        // Larger distances are those of pieces that are not near each other.
         let beyond = libm::ceil(2.0 * most) as u16;
         let next = gaps.iter().copied().skip(1).chain([beyond.max(reach)]);
         let step = |(own, next): (u16, u16)| (f64::from(next) / f64::from(own.max(FINEST)), own);

@@ -10,8 +10,8 @@
 //! guide; pages beyond 4096 px have fewer. Pages of less than ten units are read as ten or a hundred times
 //! as large.
 //!
-//! When this works badly: drawings whose elements touch and are neither grouped nor of one path, as in
-//! a mosaic: each piece is then an element of its own.
+//! Works badly for drawings whose elements touch and are neither grouped nor of one path, such as a mosaic:
+//! each piece is then an element.
 
 mod assemble;
 mod categories;
@@ -45,7 +45,7 @@ pub struct ImportParams {
     /// Whether opposite borders of the page join. `None` (the default): tested on the picture. The field of
     /// `analyze` has no effect.
     pub wrap: Option<bool>,
-    /// Of these `elements`, `lenient`, `categories` and `descriptor_reach` have an effect.
+    /// Parameters, of which `elements`, `lenient`, `categories` and `descriptor_reach` have an effect.
     pub analyze: AnalyzeParams,
 }
 
@@ -54,9 +54,9 @@ pub fn is_drawing(bytes: &[u8]) -> bool {
     svg_tree::is_svg(bytes)
 }
 
-/// Reads an SVG or SVGZ as a library. `name` appears in errors and in the library. Nothing outside the
-/// file is ever loaded. A drawing of nothing but a background is no error: its library has no
-/// primaries and says so in a warning.
+/// Reads an SVG or SVGZ as a library. `name` appears in errors and in the library. Nothing outside the file
+/// is ever loaded. A drawing that has only a background is permitted: its library has no primaries and a
+/// warning.
 ///
 /// # Errors
 /// [`vtex_base::Error::Control`] for what is no SVG, for a page beyond a million units, and, unless
@@ -82,8 +82,8 @@ pub fn import(bytes: &[u8], name: &str, params: &ImportParams, progress: &dyn Pr
     pieces.retain(|p| !p.parts.is_empty());
     let found = pieces.len();
     let (background, pieces) = assemble::background(&page, pieces);
-    // A drawing with very many shapes beneath the background is not drawn with them, to save time.
-    page.lacks |= found - pieces.len() > MOST_BENEATH;
+    // To save time, very many shapes beneath the background are not drawn.
+    page.is_incomplete |= found - pieces.len() > MOST_BENEATH;
     let scale = assemble::scale(&page, &pieces, name)?;
     let picture = picture::picture(&page, (background, &pieces), scale)
         .map_err(|found| read::fault(name, found.reason, found.advice))?;
@@ -130,7 +130,7 @@ pub fn drawn(bytes: &[u8], name: &str, [width, height]: [u32; 2]) -> Result<Vec<
 
 /// Most shapes beneath the background that are drawn for the picture of the page.
 const MOST_BENEATH: usize = 1000;
-/// Number of whole pieces from which a page is not repeated as a whole.
+/// Number of whole pieces from which on a page is not repeated as a whole.
 const FEWEST: usize = 8;
 
 /// Whether a page whose borders do not join is repeated nevertheless, because too few of its pieces are

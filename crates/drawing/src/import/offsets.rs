@@ -1,7 +1,7 @@
 //! Disjoint sets on a torus: members that belong together, each shifted by a number of periods.
 //!
-//! A set that meets itself a period away is endless. In a library it is `clipped`, though the arrangement is
-//! periodic, and never moved.
+//! A set that is connected to its own copy a period away is endless. In a library it is `clipped`, although
+//! the arrangement is periodic, and is never moved.
 
 pub(super) use vtex_base::raster::contact::{Shift, minus};
 
@@ -15,7 +15,7 @@ pub(super) fn plus(a: Shift, b: Shift) -> Shift {
 pub(super) struct Offsets {
     parent: Vec<usize>,
     shift: Vec<Shift>,
-    /// Whether a set is endless: it meets itself a period away.
+    /// Whether a set is endless: connected to its own copy a period away.
     endless: Vec<bool>,
 }
 

@@ -62,8 +62,8 @@ fn colour(c: usvg::Color) -> Colour {
     Colour([c.red, c.green, c.blue])
 }
 
-/// The ends of a linear gradient after any affine map: lines of one colour stay lines, and the new ends
-/// lie at right angles to them. `None` if it has no length.
+/// The ends of a linear gradient after an affine map. Lines of one colour stay lines, and the new ends lie on
+/// a line at right angles to them. `None` if the gradient has no length.
 fn linear(from: Point, to: Point, map: Affine) -> Option<[Point; 2]> {
     let [a, b, c, d, ..] = map.as_coeffs();
     let along = to - from;

@@ -1,4 +1,4 @@
-//! The page as pixels.
+//! Draws the page as pixels.
 
 use super::pieces::DrawingPiece;
 use super::read::DrawingPage;
@@ -23,7 +23,7 @@ pub(super) fn picture(
     (colour, pieces): (Colour, &[DrawingPiece]),
     size: [u32; 2],
 ) -> Result<RgbImage, SvgFault> {
-    if page.lacks { Ok(drawn(page, colour, pieces, size)) } else { by_resvg(page, size) }
+    if page.is_incomplete { Ok(drawn(page, colour, pieces, size)) } else { by_resvg(page, size) }
 }
 
 fn by_resvg(page: &DrawingPage, [width, height]: [u32; 2]) -> Result<RgbImage, SvgFault> {

@@ -69,7 +69,7 @@ fn polygon(segment: &PathSeg) -> f64 {
     c.p0.distance(c.p1) + c.p1.distance(c.p2) + c.p2.distance(c.p3)
 }
 
-/// The pieces of an item; all of it as one unless `split`.
+/// The pieces of an item; without `split`, the whole item is one piece.
 pub(super) fn pieces(number: usize, item: &DrawnShape, split: bool) -> Vec<DrawingPiece> {
     let paths = match &item.fill {
         Some(fill) => filled(&item.path, fill, split),
@@ -191,7 +191,7 @@ mod tests {
     fn outer_rings_take_along_what_lies_inside() {
         let ring = "M0 0h10v10h-10zM2 2h6v6h-6zM4 4h2v2h-2z";
         assert_eq!(of(&format!("{ring}M20 0v4h4v-4z"), true), [100.0 - 36.0 + 4.0, 16.0]);
-        // By the non-zero rule rings of one direction make no hole.
+        // With the non-zero rule, rings of one direction do not form a hole.
         assert_eq!(of("M0 0h10v10h-10zM2 2v6h6v-6z", false), [64.0]);
         assert_eq!(of("M0 0v10h10v-10zM2 2h6v6h-6z", false), [64.0]);
     }

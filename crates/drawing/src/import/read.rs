@@ -40,7 +40,7 @@ pub(super) struct DrawingPage {
     /// One sentence for each kind of part that was changed or left out.
     pub(super) warnings: Vec<String>,
     /// Whether parts were left out that the tree contains.
-    pub(super) lacks: bool,
+    pub(super) is_incomplete: bool,
     /// The drawing itself.
     pub(super) tree: usvg::Tree,
 }
@@ -109,7 +109,7 @@ pub(super) fn read(bytes: &[u8], name: &str, lenient: bool, progress: &dyn Progr
     let mut reader = DrawingReader { progress, ..DrawingReader::new(name, lenient, &document, size) };
     let root = WalkState { group: None, layer: 0, opacity: 1.0, depth: 0, id: "" };
     reader.group(tree.root(), root, &[])?;
-    let DrawingReader { items, mut groups, layers, counts, lacks, .. } = reader;
+    let DrawingReader { items, mut groups, layers, counts, is_incomplete, .. } = reader;
     for item in &items {
         let mut up = item.group;
         while let Some(g) = up {
@@ -119,7 +119,7 @@ pub(super) fn read(bytes: &[u8], name: &str, lenient: bool, progress: &dyn Progr
     }
     let warnings = counts.into_iter().map(|(what, n)| format!("{what} ({n})"));
     let warnings = warnings.chain(texts(&document)).collect();
-    Ok(DrawingPage { size, items, groups, layers, warnings, lacks, tree })
+    Ok(DrawingPage { size, items, groups, layers, warnings, is_incomplete, tree })
 }
 
 /// An error about a drawing.
@@ -163,7 +163,7 @@ struct DrawingReader<'a, 'd> {
     numbers: BTreeMap<String, usize>,
     /// Descriptions of what was changed or left out, with counts.
     counts: BTreeMap<&'static str, usize>,
-    lacks: bool,
+    is_incomplete: bool,
 }
 
 /// State of the walk through the tree.
@@ -200,7 +200,7 @@ impl<'a, 'd> DrawingReader<'a, 'd> {
             layers,
             numbers: BTreeMap::new(),
             counts: BTreeMap::new(),
-            lacks: false,
+            is_incomplete: false,
         }
     }
 
@@ -212,7 +212,7 @@ impl<'a, 'd> DrawingReader<'a, 'd> {
     fn unreadable(&mut self, id: &str, what: &'static str, counted: &'static str) -> Result<()> {
         if self.lenient {
             self.count(counted);
-            self.lacks = true;
+            self.is_incomplete = true;
             return Ok(());
         }
         let id = if id.is_empty() { String::new() } else { format!(" '{}'", clip_to(id, 60)) };

@@ -22,7 +22,7 @@ const MOST: usize = 4_000;
 /// Most stretches at one place of a border that are compared with one another.
 const MOST_AT_ONCE: usize = 64;
 
-/// Largest share of a piece outside the page whose author forgot to draw the copy at the other side.
+/// Largest share of a piece that may lie outside the page if its copy at the opposite border is missing.
 const FORGOTTEN: f64 = 0.3;
 
 /// A page whose opposite borders join.
@@ -154,7 +154,7 @@ impl Torus {
                     Some(found) => {
                         chains.extend(found.into_iter().map(|(path, ends)| Chain { piece: k, path, ends }))
                     }
-                    // All of it runs along borders.
+                    // A path that runs along borders only.
                     None => sets.set_endless(k),
                 }
             }
@@ -236,7 +236,7 @@ impl Torus {
             };
             let (axis, far, at) = place(PageBorder { far: !border.far, ..border }, end);
             let near = (at - 1..=at + 1).filter_map(|at| free.get(&(axis, far, at)));
-            // Only some of very many at one place are compared.
+            // At most a fixed number at one place is compared.
             let near = near.flat_map(|there| there.iter().take(MOST_AT_ONCE));
             let near = near.filter_map(|&k| Some((distance(k)?, k)));
             let best = near.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));

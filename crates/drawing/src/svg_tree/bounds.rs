@@ -9,7 +9,7 @@ use simplecss::{AttributeOperator, Element, PseudoClass, StyleSheet};
 use std::cell::Cell;
 use std::collections::HashMap;
 
-/// Number of allowed steps: some two seconds here, and as long in the parser.
+/// Number of allowed steps. Counting them takes some two seconds, and parsing as long.
 const MOST_STEPS: u64 = 200_000_000;
 /// Number of steps for a declaration of a style.
 const DECLARATION: u64 = 20;
@@ -17,7 +17,7 @@ const DECLARATION: u64 = 20;
 const CHARACTERS: u64 = 40;
 /// Most declarations of style sheets, those of a list of selectors counted for each.
 const MOST_DECLARATIONS: u64 = 20_000_000;
-/// Most commands in a row that close a path. Each takes a part of the stack.
+/// Largest number of consecutive commands that close a path. Each takes a part of the stack.
 const MOST_CLOSES: usize = 1000;
 /// Elements that the parser accepts.
 pub const MOST_ELEMENTS: u64 = 1_000_000;
@@ -28,7 +28,7 @@ const DEPTH: usize = 32;
 
 /// The reason to refuse a document; `None` if it may be parsed.
 pub(super) fn refused(document: &Document<'_>) -> Option<SvgFault> {
-    let closes = |a: Attribute<'_, '_>| a.name() == "d" && closes(a.value()) > MOST_CLOSES;
+    let closes = |a: Attribute<'_, '_>| a.name() == "d" && consecutive_closes(a.value()) > MOST_CLOSES;
     if document.descendants().flat_map(|n| n.attributes()).any(closes) {
         let reason = format!("a path is closed more than {MOST_CLOSES} times in a row");
         return Some(SvgFault { reason, advice: "delete the repeated Z in its path data" });
@@ -45,8 +45,8 @@ pub(super) fn refused(document: &Document<'_>) -> Option<SvgFault> {
     None
 }
 
-/// The most commands that close a path in a row.
-fn closes(data: &str) -> usize {
+/// Largest number of consecutive commands that close a path.
+fn consecutive_closes(data: &str) -> usize {
     let mut longest = 0;
     let mut run = 0;
     for byte in data.bytes() {
@@ -191,7 +191,7 @@ pub fn ids<'a, 'd>(document: &'a Document<'d>) -> HashMap<&'a str, Node<'a, 'd>>
     ids
 }
 
-/// Each `<use>` and the node that it shows, by number, in document order.
+/// Numbers of each `<use>` and of the node that it shows, in document order.
 pub fn uses(document: &Document<'_>, ids: &HashMap<&str, Node<'_, '_>>) -> Vec<(usize, usize)> {
     let uses = document.descendants().filter(|n| n.tag_name().name() == "use");
     let link = |node: Node<'_, '_>| {

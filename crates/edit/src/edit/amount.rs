@@ -37,7 +37,7 @@ impl<'a> Amount<'a> {
     /// The value as a factor: middle grey is 1, white is 2.
     pub(super) fn factor(&self, scene: &Scene, instance: &Instance) -> f64 {
         let factor = self.of(scene, instance, 2.0);
-        // Neither of the two middle greys of eight bits is exactly 1.
+        // Neither of the two middle grey values of 8 bits is exactly 1, so both count as 1.
         if matches!(self, Self::Map(_)) && (factor - 1.0).abs() < 1.0 / 255.0 { 1.0 } else { factor }
     }
 }

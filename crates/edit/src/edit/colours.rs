@@ -11,7 +11,7 @@ use vtex_base::raster::oklab_map::OklabMap;
 use vtex_scene::element::Appearance;
 use vtex_scene::scene::{CategoryId, Element, Gradient, Instance, InstanceId, LibraryId, Scene, Shape};
 
-/// Mixes a colour into the colours of selected elements and points, of a random share of them, by `amount`.
+/// Mixes a colour by `amount` into the colours of a random share of the selected elements and points.
 pub(super) fn tint(
     scene: &mut Scene,
     chosen: &Chosen,
@@ -46,7 +46,7 @@ pub(super) fn tint(
 }
 
 /// Shifts colours near `from` by the difference to `to`; the shift falls to 0 at the distance `reach`.
-/// Returns the number of textons and points with such a colour.
+/// Returns the number of textons and points with a colour within `reach`.
 pub(super) fn recolor(scene: &mut Scene, chosen: &Chosen, from: Colour, to: Colour, reach: f64) -> usize {
     let (from, to) = (from.to_oklab(), to.to_oklab());
     let way: [f32; 3] = std::array::from_fn(|i| to[i] - from[i]);
@@ -58,8 +58,8 @@ pub(super) fn recolor(scene: &mut Scene, chosen: &Chosen, from: Colour, to: Colo
     };
     let alike = |colour: Colour| share(colour) > 0.0;
     let shaded = |g: &Option<Box<Gradient>>| g.as_ref().is_some_and(|g| alike(g.start) || alike(g.end));
-    // For each element, whether its base and its details have such a colour. An instance's own colour hides
-    // the base.
+    // For each element, whether its base and whether its details have a colour near `from`. An instance's own
+    // colour hides the base.
     let elements: Vec<[bool; 2]> = vtex_base::parallel::map(&scene.elements, |e| {
         let has = |s: &Shape| alike(s.colour) || shaded(&s.gradient);
         [has(e.base()), e.details().iter().any(has)]
@@ -85,7 +85,8 @@ pub(super) fn palette(scene: &mut Scene, chosen: &Chosen, colours: &[Colour]) {
     let mut wanted: Vec<[f32; 3]> = colours.iter().map(|c| c.to_oklab()).collect();
     wanted.sort_by(|a, b| a[0].total_cmp(&b[0]));
     let (count, new) = (ranked.len(), wanted.len());
-    // With more colours than categories, each category gets the middle one of its share of the palette.
+    // With more colours than categories, the palette is divided evenly among categories, and each gets the
+    // middle colour of its part.
     let chosen_colour = |rank: usize| wanted[(2 * rank + 1) * new / (2 * count)];
     let known: BTreeMap<Key, [f32; 3]> = (ranked.iter().enumerate())
         .map(|(rank, (key, mean))| (*key, std::array::from_fn(|i| chosen_colour(rank)[i] - mean[i])))
@@ -178,7 +179,7 @@ fn recolour(
     chosen: &Chosen,
     new: impl Fn(Option<&Element>, Colour) -> Colour + Sync + Send,
 ) {
-    // The instances' own colours first, while the elements still have their old colours.
+    // The instances' own colours are replaced first, while the elements still have their old colours.
     let own: Vec<Option<Colour>> =
         selected(scene, chosen).map(|i| i.colour.map(|c| new(Some(scene.element(i)), c))).collect();
     selected_mut(scene, chosen).zip(own).for_each(|(instance, colour)| instance.colour = colour);

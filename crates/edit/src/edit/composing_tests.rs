@@ -64,7 +64,7 @@ fn variances_of_colours_grow_with_the_square() {
     }
     let same = edited(&muted(), &[on("secondary", vary(Some(0.0), None))]).0;
     assert!(same.secondary().iter().all(|i| i.colour == same.secondary()[0].colour));
-    // Primaries of two elements stay two, in new colours.
+    // Two elements remain two, in new colours.
     let after = one(on("primary", vary(Some(0.5), None)));
     assert_eq!(after.elements.len(), 3);
     assert_ne!(after.elements, scene().elements);
@@ -229,7 +229,7 @@ fn nearest(scene: &Scene, instances: &[Instance]) -> f64 {
 fn relaxing_evens_distances() {
     let relax = |rounds, minimum_distance| Action::Relax { rounds, strength: 0.5, minimum_distance };
     let even = one(on("secondary", relax(60, None)));
-    // In a lattice they would be 24 apart.
+    // Their distance in a lattice would be 24.
     let (before, after) = (nearest(&scene(), scene().secondary()), nearest(&even, even.secondary()));
     assert!(before < 4.0 && after > 14.0, "{before} {after}");
     assert_eq!(even.primary(), scene().primary());
@@ -253,7 +253,7 @@ fn orders_sort_the_selected_in_their_layers() {
     let mut ids: Vec<u32> = rising.instances().map(|i| i.id.0).collect();
     ids.sort_unstable();
     assert_eq!(ids, (0..300).collect::<Vec<_>>());
-    // Others keep their places in the order.
+    // Elements that are not selected keep their places in the order.
     let some = one(those(
         &[among(Identity::Category, &[7], true)],
         Action::Order { by: OrderBy::X, reverse: false },
@@ -388,7 +388,7 @@ fn what_is_drawn_on_one_element_appears_on_all_like_it() {
     assert_eq!((bar.shapes.len(), bar.outline()), (1, before.elements[0].outline()));
     let all = edited(&before, &[on("primary", propagate(Some(2.0), false))]).1;
     assert_eq!(all[0].matched, 60);
-    // A shape far from every element is drawn on none.
+    // A shape far from all elements is not drawn.
     let far = |i: &mut Instance| {
         i.transform[4] = if (150.0..250.0).contains(&i.transform[4]) { 20.0 } else { i.transform[4] }
     };

@@ -20,7 +20,7 @@ impl Amounts<'_> {
     fn either_way(&mut self, most: f64) -> f64 {
         let steps = u64::from(self.jitter.steps);
         match self.jitter.distribution {
-            // The ends are as likely as the steps between them.
+            // Both ends are as likely as each step between them.
             Distribution::Uniform if steps > 0 => {
                 most * (self.random.below(2 * steps + 1) as f64 / steps as f64 - 1.0)
             }
@@ -29,7 +29,7 @@ impl Amounts<'_> {
         }
     }
 
-    /// From 0 to 1, such that points at this share of a disc's radius are uniform over the disc.
+    /// A share of a disc's radius, 0 to 1, such that points at this distance are uniform over the disc.
     fn radius(&mut self) -> f64 {
         match self.jitter.distribution {
             Distribution::Uniform => self.stepped(|random| libm::sqrt(random.unit())),

@@ -1,7 +1,7 @@
 //! Scene → scene: operations on a finished texture (paper §4.5).
 //!
-//! An [`Operation`] is plain data, as scenes record it: an action, and the elements that it applies to.
-//! Files that it names are in [`Files`]. [`apply`] does operations one after the other.
+//! An [`Operation`] is plain data, as scenes record it: an action, and the elements that it applies to. Files
+//! that it names are in [`Files`]. [`apply`] applies operations one after the other.
 //!
 //! Operations keep ids. An element that several instances share is copied if only some of them change, and
 //! dropped once no instance shows it. An operation that changes nothing is not recorded.
@@ -62,6 +62,15 @@ pub struct Outcome {
     pub thin: usize,
 }
 
+/// Counts of the elements that an action applied to.
+#[derive(Clone, Copy, Default)]
+struct AppliedCounts {
+    /// As [`Outcome::matched`].
+    matched: usize,
+    /// As [`Outcome::thin`].
+    thin: usize,
+}
+
 fn is_zero(count: &usize) -> bool {
     *count == 0
 }
@@ -106,7 +115,8 @@ pub fn apply(
         }
         let before = scene.count();
         let draw = Draw { seed, step: scene.edits.len() as u64 };
-        let (matched, thin) = act(&mut scene, &chosen, &operation.action, files, &draw).map_err(fail)?;
+        let AppliedCounts { matched, thin } =
+            act(&mut scene, &chosen, &operation.action, files, &draw).map_err(fail)?;
         scene.drop_unused();
         let removed = before - scene.count();
         scene.edits.push(EditRecord { operation: Recorded::Edit(operation.clone()), seed });
@@ -116,15 +126,14 @@ pub fn apply(
     Ok((scene, outcomes))
 }
 
-/// Applies an operation. Returns the number of elements that it applied to, and how many of these were too
-/// thin.
+/// Applies an action.
 fn act(
     scene: &mut Scene,
     chosen: &Chosen,
     action: &Action,
     files: &Files,
     draw: &Draw,
-) -> Result<(usize, usize), EditFault> {
+) -> Result<AppliedCounts, EditFault> {
     let mut thin = 0;
     match action {
         Action::Thin { keep, order, minimum_area } => {
@@ -162,12 +171,12 @@ fn act(
             if similar.is_some() && drawing.is_none() && of.is_none() {
                 return Err(EditFault::LikeNothing);
             }
-            let like = propagate::Like { of: *of, similar: *similar };
-            return propagate::propagate(scene, chosen, &what, like, *replace);
+            let similarity = propagate::Similarity { of: *of, distance: *similar };
+            return propagate::propagate(scene, chosen, &what, similarity, *replace);
         }
         Action::Order { by, reverse } => paint_order::order(scene, chosen, *by, *reverse, draw),
         Action::Shuffle { within, share, outlines } => {
-            thin = shuffle::shuffle(scene, chosen, (*within, *share), *outlines, draw);
+            thin = shuffle::shuffle(scene, chosen, *within, *share, *outlines, draw);
         }
         Action::Vary { colour, shape, within } => {
             if let Some(factor) = colour {
@@ -181,7 +190,8 @@ fn act(
             colours::tint(scene, chosen, &ColourByPlace::new(colour, files)?, *amount, *share, draw);
         }
         Action::Recolor { from, to, reach } => {
-            return Ok((colours::recolor(scene, chosen, *from, *to, *reach), 0));
+            let matched = colours::recolor(scene, chosen, *from, *to, *reach);
+            return Ok(AppliedCounts { matched, thin });
         }
         Action::Palette { colours, .. } => colours::palette(scene, chosen, colours),
         Action::Shadow { angle, length, opacity, blur } => {
@@ -191,8 +201,9 @@ fn act(
         Action::Flatten => style::flatten(scene, chosen),
         Action::Simplify { tolerance } => style::simplify(scene, chosen, *tolerance),
         Action::Replace { library } => {
-            return Ok((replace::replace(scene, chosen, files.library(library)?), 0));
+            let matched = replace::replace(scene, chosen, files.library(library)?);
+            return Ok(AppliedCounts { matched, thin });
         }
     }
-    Ok((chosen.count(), thin))
+    Ok(AppliedCounts { matched: chosen.count(), thin })
 }

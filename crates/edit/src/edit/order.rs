@@ -1,4 +1,4 @@
-//! Selects points to keep, so that they are spread evenly.
+//! Selects points that are evenly spread.
 //!
 //! Points are removed one by one, always the most crowded one: weighted sample elimination (Yuksel 2015,
 //! "Sample Elimination for Generating Poisson Disk Sample Sets"). The distance at which points crowd one
@@ -24,11 +24,11 @@ pub(super) fn spread(points: &[Point], ties: &[u64], periods: [Option<f64>; 2], 
     left
 }
 
-/// A point that may be removed.
+/// A point that remains.
 struct Crowded {
     weight: f64,
     tie: u64,
-    /// Its index among those left.
+    /// Its index among the remaining points.
     index: usize,
 }
 
@@ -144,7 +144,7 @@ mod tests {
 
     #[test]
     fn what_is_left_is_spread_evenly_across_the_seams() {
-        // Cells along the two axes are of unlike sizes.
+        // Cells have different sizes along the two axes.
         for canvas in [[400.0, 300.0], [1000.0, 61.0], [90.0, 700.0]] {
             let (points, ties) = points(2000, canvas);
             let periods = canvas.map(Some);
@@ -152,7 +152,7 @@ mod tests {
                 let kept = spread(&points, &ties, periods, count);
                 assert_eq!(kept.len(), count);
                 assert!(kept.windows(2).all(|w| w[0] < w[1]));
-                // In a perfect lattice they would be this far apart.
+                // Their distance in a perfect lattice.
                 let area = canvas[0] * canvas[1];
                 let lattice = libm::sqrt(area * 2.0 / (libm::sqrt(3.0) * count as f64));
                 let share = shortest(&points, &kept, periods) / lattice;

@@ -12,7 +12,7 @@ use vtex_scene::scene::{About, Instance, Scene};
 /// The least factor by which a texton is scaled.
 const SMALLEST: f64 = 0.01;
 
-/// The direction to which longer axes are turned.
+/// The direction towards which longer axes are turned.
 pub(super) enum Towards<'a> {
     /// One angle, in radians.
     Angle(f64),

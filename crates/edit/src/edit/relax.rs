@@ -9,7 +9,7 @@ use vtex_scene::scene::Scene;
 /// Distance between neighbours in a hexagonal lattice, relative to the square root of the area per point.
 const LATTICE: f64 = 1.074_569_93;
 
-/// Most neighbours that push one element. There are more only where many elements lie on one another.
+/// Largest number of neighbours that push one element. Only elements that lie on many others have more.
 const MOST_NEIGHBOURS: u32 = 64;
 
 /// How elements are moved.
@@ -17,7 +17,7 @@ pub(super) struct Relaxing {
     pub(super) rounds: u32,
     /// Share of the missing distance that is moved in each round.
     pub(super) strength: f64,
-    /// Least distance of elements; by default that of a hexagonal lattice of equally many.
+    /// Least distance of elements; by default that of a hexagonal lattice of equally many elements.
     pub(super) minimum: Option<f64>,
 }
 
@@ -68,7 +68,7 @@ impl RelaxedCanvas {
         let near = NearPoints::new(&within, self.periods, distance);
         let all: Vec<usize> = (0..at.len()).collect();
         let way = |&i: &usize| match moves[i] {
-            true => self.way(at, &near, i, moves, distance) * strength,
+            true => self.displacement(at, &near, i, moves, distance) * strength,
             false => Vec2::ZERO,
         };
         let ways = parallel::map(&all, way);
@@ -81,7 +81,7 @@ impl RelaxedCanvas {
     }
 
     /// The displacement of one point in a round.
-    fn way(&self, at: &[Point], near: &NearPoints, i: usize, moves: &[bool], distance: f64) -> Vec2 {
+    fn displacement(&self, at: &[Point], near: &NearPoints, i: usize, moves: &[bool], distance: f64) -> Vec2 {
         let (mut sum, mut count) = (Vec2::ZERO, 0);
         near.each(self.clamped(at[i]), |j| {
             if count >= MOST_NEIGHBOURS {
@@ -111,7 +111,7 @@ impl RelaxedCanvas {
         Point::new(along(p.x, 0), along(p.y, 1))
     }
 
-    /// A point that does not leave the canvas where it does not repeat.
+    /// A point moved onto the canvas along axes that do not repeat.
     fn kept(&self, from: Point, to: Point) -> Point {
         let along = |from: f64, to: f64, k: usize| match self.periods[k] {
             None if (0.0..=self.size[k]).contains(&from) => to.clamp(0.0, self.size[k]),

@@ -1,9 +1,9 @@
 //! Replaces textons by those of another library whose shapes fit best.
 //!
 //! Shapes are compared at the same place, size and direction of the longer axis. Candidates are sorted by
-//! elongation. Those nearest in elongation, area and compactness are sought outwards from the texton's own
-//! elongation, until all others must be further away. Of these few the one that overlaps most is taken,
-//! turned by half if that fits better.
+//! elongation. The nearest in elongation, area and compactness are found by a search outwards from the
+//! texton's elongation, which ends when all others must be further away. Of these few, the one that overlaps
+//! most is taken, turned by 180° if that fits better.
 
 use super::selection::Chosen;
 use super::textons::{measured, size};
@@ -18,7 +18,7 @@ use vtex_scene::reconstruct::element;
 use vtex_scene::scene::field::Interpolant;
 use vtex_scene::scene::{Element, ElementId, Instance, LibraryId, Scene};
 
-/// Candidates whose overlap with a texton is measured.
+/// Number of candidates whose overlap with a texton is measured.
 const CANDIDATES: usize = 16;
 /// Side of the raster on which overlap is counted.
 const SIDE: usize = 32;
@@ -122,7 +122,7 @@ impl Index {
             let (below, above) = (gap(down.checked_sub(1)), gap(Some(up)));
             let worst = if found.len() < CANDIDATES { f64::INFINITY } else { found[CANDIDATES - 1].0 };
             let least = below.min(above);
-            // All candidates further along are farther away.
+            // All later candidates are further away.
             if least == f64::INFINITY || least * least > worst {
                 return found.into_iter().map(|(_, i)| i).collect();
             }
@@ -140,7 +140,7 @@ impl Index {
         }
     }
 
-    /// The best fitting candidate, and whether it is turned by half; `None` without candidates.
+    /// The best fitting candidate, and whether it is turned by 180°; `None` without candidates.
     fn best(&self, element: &Element, moments: &SecondMoments) -> Option<(usize, bool)> {
         // An outline without area has no shape.
         if moments.area <= 0.0 {

@@ -47,7 +47,7 @@ impl Chosen {
         let chosen = |layer: &Layer| {
             let is_asked = is_asked(layer);
             let fits = |i: &Instance| is_asked && conditions.iter().all(|c| holds(*c, scene, i, &moments));
-            // Fields only where their layer is named.
+            // Fields are selected only if their layer is named.
             let field = layer.field.as_ref().filter(|_| is_asked && asked.is_some());
             let points = layer.field.iter().flat_map(|f| &f.points).map(|p| {
                 let at = scene.on_canvas(Point::new(p.x, p.y));
@@ -96,8 +96,9 @@ impl Chosen {
     }
 }
 
-/// Whether a layer is meant by a name: its own, that of its role, or that of its stratum, to which it adds
-/// its role. Case does not matter, because editors show names with a capital letter.
+/// Whether a name denotes a layer: its own name, that of its role, or that of its stratum. The name of a
+/// layer is that of its stratum with its role appended. Case does not matter, because editors show names with
+/// a capital letter.
 fn is_called(layer: &Layer, name: &str) -> bool {
     let (own, name, role) = (layer.name.to_lowercase(), name.to_lowercase(), layer.role.name());
     let ends = |rest: &str| rest.is_empty() || rest.strip_prefix(' ') == Some(role);
@@ -136,7 +137,7 @@ fn holds(
     }
 }
 
-/// A point of a field has a place and nothing else.
+/// A point of a field has no property besides its place.
 fn holds_of_point((condition, shape): Test<'_>, at: Point) -> bool {
     match condition {
         Condition::Compare { quantity: Quantity::X, comparison, limit } => comparison.holds(at.x, *limit),

@@ -10,12 +10,12 @@ use vtex_scene::element::Gaussian;
 use vtex_scene::scene::{Element, ElementId, Instance, Scene, Shape, Within};
 
 /// Largest ratio of the areas of Gaussians that exchange appearances.
-const LIKE: f64 = 2.0;
-/// Most exchanges tried for an element that would keep its look.
+const LARGEST_RATIO: f64 = 2.0;
+/// Largest number of exchanges tried for an element that would get an equal appearance.
 const TRIES: usize = 32;
-/// Largest deviation of details that are moved, and distance of points along outlines that are bent, in
-/// pixels.
+/// Largest distance of the polygons of details and outlines from their curves, in pixels.
 const TOLERANCE: f64 = 0.15;
+/// Largest distance of points along outlines that are moved onto a ring, in pixels.
 const STEP: f64 = 1.0;
 
 /// Exchanges appearances. Outlines stay, unless `outlines` is set or an element has a silhouette of its own.
@@ -23,7 +23,8 @@ const STEP: f64 = 1.0;
 pub(super) fn shuffle(
     scene: &mut Scene,
     chosen: &Chosen,
-    (within, share): (Within, f64),
+    within: Within,
+    share: f64,
     outlines: bool,
     draw: &Draw,
 ) -> usize {
@@ -39,24 +40,25 @@ pub(super) fn shuffle(
         ranked.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let mut rest = &ranked[..];
         while let Some(&(least, _)) = rest.first() {
-            let (alike, larger) = rest.split_at(rest.partition_point(|(size, _)| *size <= LIKE * least));
-            exchange(&all, alike, &mut from, draw);
+            let count = rest.partition_point(|(size, _)| *size <= LARGEST_RATIO * least);
+            let (similar, larger) = rest.split_at(count);
+            exchange(&all, similar, &mut from, draw);
             rest = larger;
         }
     }
     let jobs: Vec<usize> = (0..all.len()).filter(|&i| from[i] != i).collect();
     let exchange = Exchange { scene, all: &all, gaussians: &gaussians, outlines };
-    let made = parallel::map(&jobs, |&i| exchange.made(i, from[i]));
-    let mut new: Vec<Option<Made>> = vec![None; all.len()];
-    jobs.into_iter().zip(made).for_each(|(i, made)| new[i] = made);
+    let results = parallel::map(&jobs, |&i| exchange.changed(i, from[i]));
+    let mut changes: Vec<Option<ChangedInstance>> = vec![None; all.len()];
+    jobs.into_iter().zip(results).for_each(|(i, change)| changes[i] = change);
     let mut elements = std::mem::take(&mut scene.elements);
-    for (instance, made) in scene.instances_mut().zip(new) {
-        let Some((mut changed, element)) = made else { continue };
-        if let Some(element) = element {
+    for (instance, change) in scene.instances_mut().zip(changes) {
+        let Some(change) = change else { continue };
+        *instance = change.instance;
+        if let Some(element) = change.element {
             elements.push(element);
-            changed.element = ElementId::after(elements.len() - 1);
+            instance.element = ElementId::after(elements.len() - 1);
         }
-        *instance = changed;
     }
     scene.elements = elements;
     thin
@@ -64,30 +66,36 @@ pub(super) fn shuffle(
 
 /// Chooses the instance from which each of some instances of similar size gets its appearance: a random
 /// cycle, so that none keeps its own, with exchanges where an instance would get an equal appearance.
-fn exchange(all: &[Instance], alike: &[(f64, usize)], from: &mut [usize], draw: &Draw) {
-    let keyed = alike.iter().map(|&(_, i)| (draw.of("edit/shuffle", all[i].id).bits(), i));
-    let mut circle: Vec<(u64, usize)> = keyed.collect();
-    circle.sort_unstable();
-    let circle: Vec<usize> = circle.into_iter().map(|(_, i)| i).collect();
-    let n = circle.len();
-    let mut source: Vec<usize> = (0..n).map(|k| circle[(k + 1) % n]).collect();
-    let looks = |i: usize| (all[i].element, all[i].colour);
+fn exchange(all: &[Instance], similar: &[(f64, usize)], from: &mut [usize], draw: &Draw) {
+    let keyed = similar.iter().map(|&(_, i)| (draw.of("edit/shuffle", all[i].id).bits(), i));
+    let mut cycle: Vec<(u64, usize)> = keyed.collect();
+    cycle.sort_unstable();
+    let cycle: Vec<usize> = cycle.into_iter().map(|(_, i)| i).collect();
+    let n = cycle.len();
+    let mut source: Vec<usize> = (0..n).map(|k| cycle[(k + 1) % n]).collect();
+    let appearance = |i: usize| (all[i].element, all[i].colour);
     for k in 0..n {
-        if looks(source[k]) != looks(circle[k]) {
+        if appearance(source[k]) != appearance(cycle[k]) {
             continue;
         }
         let fits = |other: &usize| {
-            looks(source[*other]) != looks(circle[k]) && looks(source[k]) != looks(circle[*other])
+            appearance(source[*other]) != appearance(cycle[k])
+                && appearance(source[k]) != appearance(cycle[*other])
         };
         if let Some(other) = (1..n.min(TRIES)).map(|d| (k + d) % n).find(fits) {
             source.swap(k, other);
         }
     }
-    circle.iter().zip(source).for_each(|(&i, source)| from[i] = source);
+    cycle.iter().zip(source).for_each(|(&i, source)| from[i] = source);
 }
 
-/// A changed instance, and its element if that is new.
-type Made = (Instance, Option<Element>);
+/// A changed instance.
+#[derive(Clone)]
+struct ChangedInstance {
+    instance: Instance,
+    /// Its element, if that is new.
+    element: Option<Element>,
+}
 
 /// The scene before an exchange.
 struct Exchange<'a> {
@@ -99,28 +107,31 @@ struct Exchange<'a> {
 
 impl Exchange<'_> {
     /// The instance `to` with the appearance of the instance `from`.
-    fn made(&self, to: usize, from: usize) -> Option<Made> {
+    fn changed(&self, to: usize, from: usize) -> Option<ChangedInstance> {
         let (own, other) = (&self.all[to], &self.all[from]);
         let (target, source) = (self.gaussians[to]?, self.gaussians[from]?);
-        let [into, out] = [own, other].map(|i| self.scene.element(i));
-        if self.outlines || into.silhouette.is_some() || out.silhouette.is_some() {
-            let mut new = Instance { element: other.element, colour: other.colour, ..own.clone() };
-            draw_as(&mut new, other, &source, &target, self.scene.periods());
-            return Some((new, None));
+        let [own_element, other_element] = [own, other].map(|i| self.scene.element(i));
+        if self.outlines || own_element.silhouette.is_some() || other_element.silhouette.is_some() {
+            let mut instance = Instance { element: other.element, colour: other.colour, ..own.clone() };
+            draw_as(&mut instance, other, &source, &target, self.scene.periods());
+            return Some(ChangedInstance { instance, element: None });
         }
-        let (colour, gradient) = out.paint(other.colour);
-        let plain = gradient.is_none() && out.details().is_empty() && into.details().is_empty();
+        let (colour, gradient) = other_element.paint(other.colour);
+        let plain =
+            gradient.is_none() && other_element.details().is_empty() && own_element.details().is_empty();
         if plain {
-            return Some((Instance { colour: Some(colour), ..own.clone() }, None));
+            let instance = Instance { colour: Some(colour), ..own.clone() };
+            return Some(ChangedInstance { instance, element: None });
         }
         let map = own.affine().inverse() * source.onto(&target) * other.affine();
         let gradient = gradient.and_then(|g| g.drawn(map));
-        let base = Shape { colour, gradient, ..into.base().clone() };
-        let hull = into.base().outline.polygons(TOLERANCE);
-        let hull = hull.iter().max_by(|a, b| extent(a).total_cmp(&extent(b)));
-        let details = out.details().iter().filter_map(|detail| carried(detail, map, hull?));
+        let base = Shape { colour, gradient, ..own_element.base().clone() };
+        let rings = own_element.base().outline.polygons(TOLERANCE);
+        let outer = rings.iter().max_by(|a, b| extent(a).total_cmp(&extent(b)));
+        let details = other_element.details().iter().filter_map(|detail| moved_into(detail, map, outer?));
         let shapes = std::iter::once(base).chain(details).collect();
-        Some((Instance { colour: None, ..own.clone() }, Some(into.with_shapes(shapes))))
+        let instance = Instance { colour: None, ..own.clone() };
+        Some(ChangedInstance { instance, element: Some(own_element.with_shapes(shapes)) })
     }
 }
 
@@ -133,9 +144,9 @@ fn extent(ring: &[Point]) -> f64 {
     along(&|p| p.x) * along(&|p| p.y)
 }
 
-/// A detail brought into a ring by a map; what would stick out of the ring is moved to it, but for soft ellipses,
-/// which are clipped. `None` if nothing of it is left.
-fn carried(detail: &Shape, map: Affine, hull: &[Point]) -> Option<Shape> {
+/// A detail mapped into a ring. Points outside the ring are moved onto it, except those of soft ellipses,
+/// which are clipped. `None` if nothing of the detail is left.
+fn moved_into(detail: &Shape, map: Affine, hull: &[Point]) -> Option<Shape> {
     let path = map * detail.outline.path();
     let moved = Outline::new(&path)?;
     let rings = moved.polygons(TOLERANCE);
@@ -154,7 +165,7 @@ fn carried(detail: &Shape, map: Affine, hull: &[Point]) -> Option<Shape> {
     Some(Shape { gradient, ..detail.with_outline(outline) })
 }
 
-/// A ring with points between those that are far apart.
+/// A ring with further points between those that are far apart.
 fn dense(ring: &[Point]) -> Vec<Point> {
     let sides = (0..ring.len()).map(|i| (ring[i], ring[(i + 1) % ring.len()]));
     let points = sides.flat_map(|(a, b)| {

@@ -6,10 +6,10 @@ use super::textons::{change, selected_mut, size};
 use vtex_base::raster::colour::Colour;
 use vtex_scene::scene::{Element, Instance, Scene, Shadow, Shape, Stroke};
 
-/// Decimals for which simplified outlines are made short: those of an SVG.
+/// Decimals with which the length of simplified outlines is measured: those of an SVG.
 const DECIMALS: u8 = 1;
 
-/// A length on the canvas in a texton's own pixels, to a hundredth, from 0.01.
+/// Converts a length on the canvas to a texton's own pixels, rounded to hundredths, at least 0.01.
 fn in_own_pixels(length: f64, size: f64) -> f64 {
     (libm::round(100.0 * length / size.max(1e-6)) / 100.0).max(0.01)
 }

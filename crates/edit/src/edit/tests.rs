@@ -165,7 +165,7 @@ fn chains_are_recorded_and_may_be_done_one_by_one() {
     assert_eq!(Scene::from_bytes(all.to_json(), "x").unwrap(), all);
     let other = apply(scene(), &chain[..1], &Files::default(), Some(6)).unwrap().0;
     assert_ne!(other.primary(), one(chain[0].clone()).primary());
-    // A repeated operation draws other random numbers.
+    // A repeated operation draws different random numbers.
     assert_eq!(edited(&scene(), &[chain[0].clone(), chain[0].clone()]).0.primary().len(), 22);
 }
 
@@ -203,7 +203,7 @@ fn thinning_keeps_shares_and_the_large_ones() {
         let rest = one(on("secondary", thin(0.0, order)));
         assert_eq!((rest.primary().len(), rest.secondary().len(), rest.elements.len()), (60, 0, 2));
     }
-    // Those kept at random with a smaller share are among those kept with a larger.
+    // The textons kept with a smaller random share are among those kept with a larger one.
     let ids =
         |share: f64| one(thin(share, ThinOrder::Random)).secondary().iter().map(|i| i.id).collect::<Vec<_>>();
     let (few, many) = (ids(0.2), ids(0.7));
@@ -286,7 +286,7 @@ fn colours_change_for_those_selected_and_no_others() {
         assert_eq!(element.details()[0].colour == Colour([255, 0, 0]), tinted);
     }
     assert_eq!(red.secondary(), scene().secondary());
-    // A texton of which some are tinted is there twice.
+    // A texton is listed twice if only some of its instances are tinted.
     let some = one(on("primary", tint([255, 0, 0], 0.5, 0.5)));
     assert_eq!(some.elements.len(), 5);
     let background = one(on("background", tint([0; 3], 0.5, 1.0)));
@@ -303,7 +303,7 @@ fn recolouring_keeps_shading_and_leaves_what_is_unlike() {
     assert_eq!(red.base().colour, Colour::from_hex("#3c50b4").unwrap());
     assert_eq!(red.details()[0].colour, Colour([240; 3]), "the light detail is unlike");
     assert_eq!(other.base().colour, Colour([40, 60, 150]));
-    // Elements without such a colour do not count, and do not change.
+    // Elements without a similar colour neither count nor change.
     let (same, outcomes) = edited(&scene(), &[recolor([0, 255, 0], [0; 3], 0.1).into()]);
     assert_eq!((outcomes[0].matched, same.elements), (0, scene().elements));
     let red = edited(&scene(), &[recolor([180, 60, 50], [0; 3], 0.05).into()]).1[0].matched;
@@ -344,7 +344,7 @@ fn without_categories_a_palette_follows_lightness() {
     );
     [&mut before, &mut now].into_iter().for_each(|v| v.sort_by(f32::total_cmp));
     let range = |v: &[f32]| v[v.len() - 1] - v[0];
-    // Both colours of the palette are there, not one in place of all.
+    // Both colours of the palette occur.
     assert!(range(&now) > 2.0 * range(&before), "{} {}", range(&now), range(&before));
 }
 
@@ -424,14 +424,14 @@ fn replaced_textons_take_place_size_and_direction_of_those_they_replace() {
     let line_around = on("primary", Action::Outline { width: 2.0, colour: Colour([0; 3]) });
     let after = apply(scene(), &[line_around, replace.clone()], &files(library.clone()), None).unwrap().0;
     assert_eq!((after.libraries.len(), after.secondary().len()), (2, 240));
-    // Lines stay as wide as they were, whatever the size that the new textons have in their library.
+    // Widths of lines do not depend on the size of the new textons in their library.
     for instance in after.primary() {
         let width = instance.stroke.unwrap().width * libm::sqrt(instance.affine().determinant());
         assert!((width - 2.0).abs() < 0.05, "{width}");
         let [.., x, y] = instance.transform;
         assert!((0.0..400.0).contains(&x) && (0.0..300.0).contains(&y), "{x} {y}");
     }
-    // A library without primaries has none to give.
+    // A library without primaries replaces none.
     let bare = library.without_primaries();
     let (same, outcomes) = apply(scene(), &[replace], &files(bare), None).unwrap();
     assert_eq!((outcomes[0].matched, same.primary()), (0, scene().primary()));

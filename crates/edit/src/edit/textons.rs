@@ -1,4 +1,4 @@
-//! The elements that instances share: measured, and changed for some of them.
+//! Measures the elements that instances share, and changes them for some instances.
 
 use super::selection::Chosen;
 use vtex_base::geometry::SecondMoments;
@@ -22,7 +22,7 @@ pub(super) fn selected<'a>(scene: &'a Scene, chosen: &'a Chosen) -> impl Iterato
     all.filter(|(_, chosen)| *chosen).map(|(instance, _)| instance)
 }
 
-/// As [`selected`], to change them.
+/// As [`selected`], mutable.
 pub(super) fn selected_mut<'a>(
     scene: &'a mut Scene,
     chosen: &'a Chosen,
@@ -31,7 +31,7 @@ pub(super) fn selected_mut<'a>(
     all.filter(|(_, chosen)| *chosen).map(|(instance, _)| instance)
 }
 
-/// Gives each selected instance colours of its own, by as many maps as are selected.
+/// Recolours each selected instance by its own map; `maps` has one for each.
 pub(super) fn repaint(scene: &mut Scene, chosen: &Chosen, maps: &[OklabMap]) {
     let mut elements = std::mem::take(&mut scene.elements);
     let mut repaint = Repaint::default();

@@ -1,4 +1,4 @@
-//! Removal of textons: all but a share, small ones, or those outside a map or a shape.
+//! Removes textons: all but a share, small ones, or those outside a map or a shape.
 
 use super::selection::Chosen;
 use super::textons::{change, measured, size};
@@ -40,7 +40,7 @@ pub(super) fn by_map(scene: &mut Scene, chosen: &Chosen, map: &ControlMap, draw:
     });
 }
 
-/// Keeps the textons whose centre lies in a region, or those whose centre does not.
+/// Keeps the textons whose centre lies inside a region, or those whose centre lies outside.
 pub(super) fn by_region(scene: &mut Scene, chosen: &Chosen, region: &Interior, inside: bool) {
     retain(scene, chosen, |scene, instance| region.contains(scene.place(instance)) == inside);
 }

@@ -7,8 +7,7 @@ use vtex_scene::scene::{Action, Condition, Direction, Jitter, NumberOrMap, Opera
 
 /// Checks an operation; [`super::apply`] does so too.
 ///
-/// # Errors
-/// The first fault: a number out of its range, or a selection that the action is not for.
+/// # Errors The first fault: a number out of its range, or a selection that the action does not support.
 pub fn validate(operation: &Operation) -> Result<(), EditFault> {
     let Operation { action, layer, conditions } = operation;
     ranges(action)?;
@@ -29,7 +28,7 @@ pub fn validate(operation: &Operation) -> Result<(), EditFault> {
     if conditions.iter().all(of_place) { Ok(()) } else { Err(EditFault::BackgroundCondition) }
 }
 
-/// Whether a condition is about places only.
+/// Whether a condition depends on places only.
 fn of_place(condition: &Condition) -> bool {
     match condition {
         Condition::Place { .. } => true,
@@ -94,7 +93,7 @@ fn ranges(action: &Action) -> Result<(), EditFault> {
     }
 }
 
-/// The number, if it is none by place.
+/// The number; `None` for a map.
 fn number(factor: &Option<NumberOrMap>) -> Option<f64> {
     match factor {
         Some(NumberOrMap::Number(factor)) => Some(*factor),
@@ -102,7 +101,7 @@ fn number(factor: &Option<NumberOrMap>) -> Option<f64> {
     }
 }
 
-/// Refuses a number that is given and out of its range.
+/// Refuses a number out of its range.
 fn within<T: Copy + PartialOrd + Display>(
     range: Parameter<T>,
     value: impl Into<Option<T>>,

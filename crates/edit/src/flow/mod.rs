@@ -2,11 +2,11 @@
 //! 7.7.3).
 //!
 //! All flows are loops: at the end every element is at its first place again, or has left the canvas and come
-//! back. So that no element is missing where the flow enters, copies of elements at the opposite side are
-//! listed beyond the borders. Fields and regions do not move.
+//! back. Where the flow enters the canvas, copies of elements at the opposite side are listed beyond the
+//! border. Fields and regions do not move.
 //!
-//! When this works badly: scenes that do not repeat, whose copies beyond the borders reach in; shear through
-//! large elements, which its bands cut apart from one another.
+//! Works badly for scenes that do not repeat, because copies beyond the borders reach onto the canvas, and
+//! for shear with large elements, which move against each other at the borders of its bands.
 
 mod paths;
 #[cfg(test)]

@@ -22,7 +22,7 @@ const FADE: f64 = 0.15;
 /// Steps of a path along a field.
 const STEPS: usize = 48;
 
-/// Distance beyond the borders from which elements come in, along x and y.
+/// Distance beyond the borders from which elements enter the canvas, along x and y.
 pub(super) fn margin(flow: &Flow, [width, height]: [f64; 2], params: &FlowParams) -> [f64; 2] {
     match flow {
         // Half the diagonal reaches this far beyond the sides.
@@ -39,13 +39,13 @@ pub(super) fn margin(flow: &Flow, [width, height]: [f64; 2], params: &FlowParams
 
 /// The path of an element.
 pub(super) enum Path {
-    /// It stays.
+    /// At rest.
     Still,
     /// Along x, by `distance` pixels in a loop, with a wobble. Wraps at `period`, starting at `from`.
     Band { distance: f64, from: f64, period: f64, wobble: [f64; KNOTS] },
     /// About the middle, `rounds` times in a loop.
     Round { arm: Vec2, rounds: f64 },
-    /// To and fro.
+    /// Back and forth.
     Sway { rounds: f64, phase: f64, way: Vec2, bend: f64 },
     /// Points at equal time steps from appearance to disappearance, and the share of that time at which a
     /// loop begins.
@@ -104,7 +104,7 @@ impl Path {
         }
     }
 
-    /// The times at which it vanishes at one place and comes at another, as shares of the loop, 0 to 1.
+    /// The times at which the element jumps to another place, as shares of the loop, 0 to 1.
     pub(super) fn jumps(&self) -> Vec<f64> {
         let inner = |time: &f64| (0.0..=1.0).contains(time);
         match self {
@@ -171,7 +171,7 @@ fn envelope(share: f64) -> f64 {
     share * share * (3.0 - 2.0 * share)
 }
 
-/// A smooth loop through values at equal time steps.
+/// A smooth periodic curve through values at equal time steps.
 fn smooth(knots: &[f64; KNOTS], time: f64) -> f64 {
     let at = time * KNOTS as f64;
     let low = at as usize % KNOTS;

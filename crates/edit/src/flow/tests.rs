@@ -74,7 +74,7 @@ fn a_vortex_keeps_radii_and_turns_evenly() {
         let wanted = 0.3 * std::f64::consts::TAU;
         assert!((turn - wanted).abs() < 1e-6, "{turn}");
     }
-    // Corners are never empty: the number of elements on the canvas stays about the same.
+    // The number of elements on the canvas stays about the same, so corners are never empty.
     for time in [0.1, 0.2, 0.4, 0.77] {
         let count = seen(&flowing.at(time)).len();
         assert!(count.abs_diff(120) < 24, "{time}: {count}");

@@ -15,7 +15,7 @@ const INSTANT: f64 = 1e-6;
 pub struct Key {
     /// Share of the loop, 0 to 1.
     pub time: f64,
-    /// Way from its place, in pixels.
+    /// Offset from its place, in pixels.
     pub way: Vec2,
     /// Angle by which it is turned about its place, in radians.
     pub angle: f64,
@@ -24,7 +24,7 @@ pub struct Key {
 }
 
 impl Key {
-    /// The key between two, at a time between theirs.
+    /// The key interpolated between two, at a time between theirs.
     fn between(a: &Self, b: &Self, time: f64) -> Self {
         let share = (time - a.time) / (b.time - a.time).max(f64::MIN_POSITIVE);
         let mix = |a: f64, b: f64| a + (b - a) * share;
@@ -99,7 +99,7 @@ mod tests {
     #[test]
     fn keys_lead_where_the_flow_does() {
         let mut scene = crate::flow::tests::scene();
-        // One on the border, which crosses it at the very ends of a loop.
+        // An element on the border, which crosses it at the ends of a loop.
         let on_border = scene.layers.iter_mut().rev().find_map(|layer| layer.instances.first_mut()).unwrap();
         on_border.transform[4] = 0.0;
         let field = Flow::Field(ControlMap::new(2, 1, vec![0.1, 0.4]).unwrap());

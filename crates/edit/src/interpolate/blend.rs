@@ -81,7 +81,7 @@ impl Blend {
 
 /// Whether a ring does not cross itself.
 fn simple(ring: &Ring) -> bool {
-    // Usual case, tested quickly: the ring is star-shaped about its centre.
+    // A ring that is star-shaped about its centre, which is usual, is recognised quickly.
     let (_, centre) = moments(ring);
     let n = ring.len();
     if (0..n).all(|i| (ring[i] - centre).cross(ring[(i + 1) % n] - centre) > 0.0) {

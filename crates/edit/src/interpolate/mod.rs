@@ -9,8 +9,8 @@
 //! strokes are interpolated (`effects`), and so are background fields (`background`), domains
 //! (`domain`) and positions in the painting order. A scene between two records this in its `edits`.
 //!
-//! Works badly for strongly branched outlines: those that would cross themselves at half-time become
-//! rounder. Where two overlapping textons swap their painting order, one pops in front of the other.
+//! Works badly for strongly branched outlines, because those that would cross themselves at half-time become
+//! rounder. If two overlapping textons swap their painting order, one suddenly appears in front of the other.
 
 mod background;
 mod blend;
@@ -131,7 +131,7 @@ impl Interpolation {
         }
         let indices = sides.map(|side| side.libraries);
         let domain = DomainTween::new(both);
-        let shells = [0, 1].map(|k| shell(both[k]));
+        let shells = [0, 1].map(|k| without_content(both[k]));
         Ok(Self { ends, scenes, shells, layers, domain, libraries, indices })
     }
 
@@ -248,14 +248,14 @@ impl Interpolation {
 pub enum Morph {
     /// From the left to the right side, or from the upper to the lower.
     Axis(Axis),
-    /// From the middle to the ellipse that touches the sides; corners are all of the second scene.
+    /// From the middle to the ellipse that touches the sides; corners show the second scene only.
     Radial,
     /// By a map stretched over the canvas: 0 is the first scene, 1 the second.
     Map(ControlMap),
 }
 
-/// A scene that changes over the canvas: one scene in some places, the other elsewhere, and scenes between
-/// them in between. It is not periodic along an axis along which it changes, and nowhere by a map.
+/// A scene that changes over the canvas from one scene to the other. It is not periodic along an axis along
+/// which it changes, and with a map along none.
 ///
 /// # Errors
 /// As [`Interpolation::new`].
@@ -294,7 +294,7 @@ pub fn across(
 const STAGE: &str = "matching";
 
 /// A scene without elements, layers and domain.
-fn shell(scene: &Scene) -> Scene {
+fn without_content(scene: &Scene) -> Scene {
     Scene { elements: Vec::new(), layers: Vec::new(), domain: None, ..scene.clone() }
 }
 

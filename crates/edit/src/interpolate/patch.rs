@@ -1,5 +1,5 @@
-//! Interpolation of a texton's details and holes. They are carried along by mean value coordinates in the
-//! outline that holds them; what would stick out is moved to its rim.
+//! Interpolation of a texton's details and holes. They are deformed by mean value coordinates with the
+//! outline that holds them; points that would lie outside are moved to its rim.
 
 use super::correspond::{MatchingPlane, Properties, correspond};
 use super::envelope;

@@ -112,7 +112,7 @@ impl DomainTween {
     }
 }
 
-/// An outline outside the canvas.
+/// An outline outside the canvas, which shows nothing.
 fn outside_canvas() -> Outline {
     let mut path = BezPath::new();
     path.move_to((-2.0, -2.0));

@@ -164,7 +164,7 @@ mod tests {
         let (shift, angle) = alignment(&from, &to, true);
         let far = (0..40).map(|i| length(turned(from[i], sine_cosine(angle)) - to[(i + shift) % 40]));
         let far = far.fold(0.0, f64::max);
-        // For a smaller turn the points may be a step of the ring apart.
+        // For smaller turns, points may be off by a step of the ring.
         assert!(shift.abs_diff(7) <= 1 && (angle - 0.7).abs() < 0.12 && far < 1.3, "{shift} {angle} {far}");
         // Content is nearly round is not turned.
         let (_, angle) = alignment(&ellipse(5.0, 4.0, 40, 0.0), &ellipse(4.0, 5.0, 40, 1.0), true);

@@ -1,4 +1,4 @@
-//! The elements of an appearance, found by role and elongation.
+//! The elements of an appearance, indexed by role and elongation.
 
 use vtex_base::sampling::Stream;
 use vtex_scene::element::Gaussian;
@@ -89,7 +89,8 @@ fn elongation(gaussian: &Gaussian) -> f64 {
     libm::log(long / short)
 }
 
-/// Whether an element is not a part of one, and lies on the canvas where that does not repeat.
+/// Whether an element is complete: not a part of one, and not cut by a border of the canvas that does not
+/// repeat.
 fn is_whole(scene: &Scene, instance: &Instance) -> bool {
     const MARGIN: f64 = 1.0;
     let element = scene.element(instance);

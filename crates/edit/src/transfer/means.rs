@@ -4,7 +4,7 @@ use vtex_base::raster::colour::Colour;
 use vtex_base::raster::oklab_map::OklabMap;
 use vtex_scene::scene::{Role, Scene};
 
-/// Corrections of a difference for colours beyond the border of sRGB.
+/// Number of corrections of a difference for colours outside sRGB.
 const ROUNDS: usize = 6;
 
 /// Differences between the mean colours of a structure and those of appearances: of elements by role, and of

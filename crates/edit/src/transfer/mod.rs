@@ -1,12 +1,12 @@
 //! Scene × scenes → scene: the arrangement of one texture with the appearance of others (Tu, dissertation,
 //! section 4.4.2 and appendix 7.4).
 //!
-//! Elements keep their Gaussians, place, size and direction. By mean alignment they keep their shapes too
-//! and take the mean colour of the other texture; by replacement each becomes an element of the other, drawn
-//! in the frame of the one that it replaces.
+//! Elements keep their Gaussians, that is, place, size and direction. With mean alignment they also keep
+//! their shapes and take the mean colour of the other texture; with replacement each becomes an element of
+//! the other texture, drawn in the frame of the one that it replaces.
 //!
-//! When this works badly: replacement in a texture whose outlines interlock, such as cracked mud, because
-//! other outlines leave other gaps.
+//! Works badly for replacement in a texture whose outlines interlock, such as cracked mud, because other
+//! outlines leave other gaps.
 
 mod donors;
 #[cfg(test)]
@@ -54,7 +54,7 @@ impl Default for TransferParams {
     }
 }
 
-/// Counts of what happened to the elements.
+/// Numbers of elements by outcome.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 pub struct TransferReport {
     /// Elements that got the appearance of another texture.
@@ -66,9 +66,9 @@ pub struct TransferReport {
 }
 
 /// Gives the elements of a scene the appearance of other scenes: the reconstruction of a library
-/// (`vtex::synth::reconstruct`) or any other. With several, `shares` has a map of each one's share; every
-/// element is of the one with the largest share where its centre lies. A scene with its own appearance, not
-/// scaled, stays as it is.
+/// (`vtex::synth::reconstruct`) or any other. With several, `shares` has a map of the share of each; every
+/// element takes the one with the largest share at its centre. A scene with its own appearance, not scaled,
+/// stays as it is.
 ///
 /// # Errors
 /// [`vtex_base::Error::Format`] for a scene that breaks its invariants; [`vtex_base::Error::Parameter`] for a

@@ -1,11 +1,11 @@
 //! Picture × scene → scene: any picture redrawn in the elements of a texture (Tu, dissertation, figure 4.5).
 //!
-//! Elements are laid in levels, large ones first. A level has elements half as large as the one before, and
-//! only where the picture has detail that the levels before do not show (as Hertzmann 1998, "Painterly
-//! Rendering with Curved Brush Strokes of Multiple Sizes"). Each points along the edge under it, as the
-//! structure tensor says, and is the longer the clearer the edge is.
+//! Elements are placed in levels, large ones first. Those of a level are half as large as those of the
+//! previous one, and are placed only where the picture has detail that earlier levels do not show (as
+//! Hertzmann 1998, "Painterly Rendering with Curved Brush Strokes of Multiple Sizes"). Each element follows
+//! the direction of the edge under it, given by the structure tensor; clearer edges have longer elements.
 //!
-//! When this works badly: with large elements of strong contrast, whose own details hide the picture's.
+//! Works badly with large elements of strong contrast, whose details hide those of the picture.
 
 use super::donors::Donors;
 use crate::edit::draw_as;
@@ -48,7 +48,7 @@ pub enum Keep {
     /// Lightness and colour.
     #[default]
     Color,
-    /// Neither: elements are chosen whose colours are nearest.
+    /// Nothing: the elements with the nearest colours are chosen.
     None,
 }
 
@@ -72,7 +72,7 @@ pub struct StylizeParams {
 #[allow(missing_docs)]
 impl StylizeParams {
     pub const SIZE: Parameter<u32> = Parameter::new("size", [32, 16_384], "px").or(1000);
-    /// From 2 pixels, for smaller elements are hardly wider than a pixel.
+    /// At least 2 pixels, because smaller elements are hardly wider than a pixel.
     pub const ELEMENT: Parameter<f64> = Parameter::new("element-size", [2.0, 1000.0], "px");
     pub const LEVELS: Parameter<u32> = Parameter::new("levels", [1, 6], "").or(4);
 }

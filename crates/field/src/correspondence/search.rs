@@ -41,7 +41,7 @@ impl LevelCanvas {
         watch: &RowProgress<'_>,
     ) {
         for _ in 0..iterations {
-            let (deep, occurrence) = (self.deep(atlas), self.occurrence_costs(atlas));
+            let (deep, occurrence) = (self.inside_islands(atlas), self.occurrence_costs(atlas));
             let open = |i: usize| !deep[i] && self.is_active(i);
             let open = (0..deep.len()).map(open).collect();
             self.copy_sources(atlas);
@@ -54,7 +54,7 @@ impl LevelCanvas {
     }
 
     /// Whether the patches over a cell and over its adjacent cells all come from one place.
-    fn deep(&self, atlas: &Atlas) -> Vec<bool> {
+    fn inside_islands(&self, atlas: &Atlas) -> Vec<bool> {
         let [w, h] = self.size;
         let all = |known: &[bool]| -> Vec<bool> {
             let around = |i: usize| {
@@ -320,28 +320,28 @@ impl<'a> Best<'a> {
             self.seen[self.known] = source;
             self.known += 1;
         }
-        let (extra, factor) = self.alone(support);
+        let (extra, factor) = self.incoherence(support);
         self.compare(source, extra, factor);
     }
 
     /// Considers many sources, even those considered before: with support of an adjacent cell their cost was
     /// lower.
     fn consider_all(&mut self, sources: &[u32]) {
-        let (extra, factor) = self.alone(0);
+        let (extra, factor) = self.incoherence(0);
         sources.iter().for_each(|&source| self.compare(source, extra, factor));
     }
 
     /// The extra cost of a source that continues `support` of the cells around, and the factor of its
     /// distance.
     #[inline]
-    fn alone(&self, support: u32) -> (i32, f32) {
+    fn incoherence(&self, support: u32) -> (i32, f32) {
         let alone = self.coherence * (1.0 - support.min(8) as f32 / 8.0);
         ((alone * ALONE[1] * PATCH_UNIT) as i32, 1.0 + alone * ALONE[0])
     }
 
     /// Cost of a source whose offset misses the periods of its page.
     #[inline]
-    fn astray(&self, source: u32) -> i32 {
+    fn off_period_cost(&self, source: u32) -> i32 {
         let Some(&phase) = self.atlas.phases.get(source as usize) else { return 0 };
         let page = self.atlas.page(source);
         let Some(periods) = &self.atlas.pages[page].periods else { return 0 };
@@ -354,7 +354,7 @@ impl<'a> Best<'a> {
 
     #[inline]
     fn compare(&mut self, source: u32, extra: i32, factor: f32) {
-        let extra = self.extra[source as usize] + extra + self.astray(source);
+        let extra = self.extra[source as usize] + extra + self.off_period_cost(source);
         let limit = self.cost.saturating_sub(extra);
         if limit <= 0 {
             return;

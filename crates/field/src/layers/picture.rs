@@ -1,4 +1,4 @@
-//! Layer maps as pictures: a few flat colours, one for each layer.
+//! Reads layer maps from pictures that have one flat colour for each layer.
 
 use super::map::{Contacts, LayerMap, MOST_LAYERS, shares};
 use super::names::named;

@@ -4,12 +4,12 @@
 //! from one to the next. Gradients can paint exactly this, so the field is approximated here once and every
 //! writer paints the same.
 //!
-//! The field is sampled finely. `samples` says for each row, given its neighbours, which
-//! colours keep the whole strips above and below near enough to the field; `stops` finds few stops
-//! that stay within. Even rows are fitted first, then odd rows make up for what those left.
+//! The field is sampled finely. For each row, given its neighbours, `samples` computes the range of colours
+//! that keep the strips above and below within a bound of the field; `stops` finds few stops within these
+//! ranges. Even rows are fitted first, then odd rows, which correct the remaining errors.
 //!
-//! Where the scene tiles the grid is periodic: a row's last stop has the colour of its first, the
-//! last row is the first again.
+//! If the scene tiles, the grid is periodic: a row's last stop has the colour of its first, and the last row
+//! equals the first.
 
 mod samples;
 mod stops;
@@ -88,7 +88,7 @@ impl PreparedBackground {
         Self { row_height, columns, column_width: step * COLUMN as f64, rows, flat: None }
     }
 
-    /// One colour everywhere.
+    /// The grid of a single colour.
     fn flat(width: f64, height: f64, colour: Colour) -> Self {
         let row = vec![vec![RowStop { x: 0.0, colour }, RowStop { x: width, colour }]];
         Self {
@@ -121,7 +121,7 @@ impl PreparedBackground {
 /// The stops of all rows and columns; columns begin at the samples `starts`.
 fn fit(samples: &FieldSamples, xs: &[f64], starts: &[usize]) -> Vec<Vec<Vec<RowStop>>> {
     let last = xs.len() - 1;
-    let mut values = samples.settled();
+    let mut values = samples.balanced_rows();
     let mut rows = vec![Vec::new(); values.len()];
     for parity in 0..2 {
         let fitted = samples.improve(&mut values, parity, |corridor| {

@@ -54,7 +54,7 @@ impl FieldSamples {
 
     /// Rows that fit best together, before any stop is left out. Where the field has a peak between rows, the
     /// errors above and below it are balanced.
-    pub(super) fn settled(&self) -> Vec<Line> {
+    pub(super) fn balanced_rows(&self) -> Vec<Line> {
         let mut values: Vec<Line> = self.lines.iter().step_by(LINES).cloned().collect();
         for round in 0..ROUNDS {
             self.improve(&mut values, round % 2, |corridor| {
@@ -92,8 +92,8 @@ impl FieldSamples {
         found
     }
 
-    /// The strips at a row: the row at the other side of each, the own line, and whether the
-    /// strip's lines come before it.
+    /// The strips at a row: for each the row at its other side, the index of this row's line, and whether the
+    /// strip lies before it.
     fn strips(&self, k: usize) -> impl Iterator<Item = (usize, usize, bool)> {
         let (own, last) = (LINES * k, self.row_count);
         let above = match k {
@@ -106,7 +106,7 @@ impl FieldSamples {
 
     /// The corridor of row `k` at sample `i`.
     fn corridor(&self, values: &[Line], k: usize, i: usize) -> Corridor {
-        // A sample in which the row has the weight w requires w · row to be near a value.
+        // A sample in which the row has the weight w bounds w · row.
         let mut wanted = [(0.0, [0.0; 3]); 2 * LINES];
         let mut count = 0;
         for (neighbour, own, before) in self.strips(k) {
@@ -134,8 +134,8 @@ impl FieldSamples {
     }
 }
 
-/// The range of component `c` of a row in which all samples stay within the bound: or, where the field has
-/// too sharp a peak, within the least possible bound.
+/// The range of component `c` of a row in which all samples stay within the bound. If there is none, because
+/// the field has a sharp peak, the least possible bound is used.
 fn range(wanted: &[(f64, [f64; 3])], c: usize, mut bound: f64) -> (f64, f64) {
     loop {
         let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);

@@ -33,8 +33,8 @@ impl Knot {
     }
 }
 
-/// The stops; the colour at each of the places `xs` goes into `line`. The first and the last stop
-/// depend on their own targets alone.
+/// The stops. Writes their colour at each of the places `xs` to `line`. The first and the last stop depend
+/// only on their own targets.
 pub(super) fn fit(xs: &[f64], corridor: &[Corridor], line: &mut [[f32; 3]]) -> Vec<RowStop> {
     let last = xs.len() - 1;
     let mut knots = vec![Knot::fixed(0, corridor)];

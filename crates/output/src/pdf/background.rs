@@ -1,12 +1,12 @@
-//! The background field in PDF: flat cells mixed by two masks.
+//! The background field in PDF: rectangles of one colour, blended by two masks.
 //!
-//! A gradient with many stops, as in SVG, takes an object of some 200 bytes for every stop, which no filter
-//! packs. So the field is taken at the nodes of a lattice and interpolated between them: along x, cells
-//! around the odd nodes lie over cells around the even ones under a mask that is opaque at odd nodes, clear
-//! at even ones and linear between; along y the odd rows lie over the even rows in the same way. The result
-//! is bilinear between nodes. No joint of cells can show: it lies where what is over it is opaque, or where
-//! it is itself clear. The masks are all there is of gradients, one for each odd column and row; the cells
-//! are plain rectangles in a packed stream.
+//! In PDF every stop of a gradient takes an object of some 200 bytes, which no filter packs. So the field is
+//! sampled at the nodes of a lattice and interpolated between them. Each node has a cell that reaches to the
+//! nodes beside it. Along x, the cells of odd nodes are painted over those of even nodes through a mask that is
+//! opaque at odd nodes, transparent at even ones and linear between. Along y, the odd rows are painted over the
+//! even rows in the same way. The result is bilinear between nodes. Borders between cells are not visible: those
+//! of even cells lie under opaque paint, those of odd cells are transparent. The only gradients are those of the
+//! masks, one for each odd column and row; the cells are plain rectangles in a packed stream.
 
 use super::PreparedBackground;
 use super::content::ContentStream;
@@ -18,7 +18,7 @@ use vtex_base::raster::colour::Colour;
 use vtex_scene::element::Stop;
 use vtex_scene::scene::Gradient;
 
-/// Overlap of a cell with the next, and of the outermost cells with the outside of the canvas, in pixels.
+/// Distance by which cells overlap one another, and the outermost ones the border of the canvas, in pixels.
 const OVERLAP: f64 = 1.0;
 
 /// Paints the background.
@@ -36,12 +36,12 @@ pub(super) fn draw(
     let mut odd = ContentStream::default();
     lattice.draw_rows(&mut odd, file, 1, masks[0])?;
     let odd = odd.group(file, lattice.bounds())?;
-    masked(content, file, masks[1], odd);
+    draw_masked(content, file, masks[1], odd);
     Ok(())
 }
 
 /// Draws a form through a mask.
-fn masked(content: &mut ContentStream, file: &mut File, mask: Ref, form: Ref) {
+fn draw_masked(content: &mut ContentStream, file: &mut File, mask: Ref, form: Ref) {
     content.within(|c| {
         set_mask(c, file, mask);
         c.draw(form);
@@ -56,14 +56,14 @@ enum ShadingAxis {
 
 /// The colours of the field at equally spaced nodes.
 struct FieldNodes {
-    /// Distance of nodes along x and y, in pixels. The first lie at 0, the last at the far border.
+    /// Distance of nodes along x and y, in pixels. The first node lies at 0, the last at the opposite border.
     step: [f64; 2],
-    /// Colours of the nodes by row; every row has as many.
+    /// Colours of the nodes by row; all rows have equally many.
     rows: Vec<Vec<Colour>>,
 }
 
 impl FieldNodes {
-    /// From the rows of the background, with nodes along x as far apart as the rows are.
+    /// Samples the rows of the background; nodes along x are about as far apart as the rows.
     fn new(background: &PreparedBackground) -> Self {
         let width = background.columns.last().copied().unwrap_or_default();
         let count = libm::ceil(width / background.row_height).max(1.0) as usize;
@@ -77,7 +77,7 @@ impl FieldNodes {
         Self { step: [step, background.row_height], rows }
     }
 
-    /// Number of the last node along an axis.
+    /// Index of the last node along an axis.
     fn last(&self, axis: ShadingAxis) -> usize {
         match axis {
             ShadingAxis::X => self.rows[0].len() - 1,
@@ -85,8 +85,8 @@ impl FieldNodes {
         }
     }
 
-    /// Begin and end of the cell of a node, in pixels: the previous and the next node.
-    fn reach(&self, axis: ShadingAxis, node: usize) -> [f64; 2] {
+    /// Begin and end of the cell of a node, in pixels: the places of the nodes beside it, and the overlap.
+    fn cell_extent(&self, axis: ShadingAxis, node: usize) -> [f64; 2] {
         let (last, step) = (self.last(axis), self.step[axis as usize]);
         let from = if node < 2 { -OVERLAP } else { (node - 1) as f64 * step };
         [from, (node + 1).min(last) as f64 * step + OVERLAP]
@@ -103,49 +103,51 @@ impl FieldNodes {
         Rect::new(0.0, 0.0, width, height).inset(OVERLAP)
     }
 
-    /// The even rows, or with `first` 1 the odd ones.
+    /// Draws every second row: the even ones if `first` is 0, the odd ones if it is 1.
     fn draw_rows(&self, content: &mut ContentStream, file: &mut File, first: usize, mask: Ref) -> Result<()> {
         self.draw_cells(content, first, 0);
         let mut odd = ContentStream::default();
         self.draw_cells(&mut odd, first, 1);
         let odd = odd.group(file, self.bounds())?;
-        masked(content, file, mask, odd);
+        draw_masked(content, file, mask, odd);
         Ok(())
     }
 
-    /// Every second cell of every second row. Neighbours of one colour are one rectangle.
+    /// Draws every second cell of every second row, beginning with `first_row` and `first`. Successive cells of
+    /// one colour are one rectangle.
     fn draw_cells(&self, content: &mut ContentStream, first_row: usize, first: usize) {
-        let mut last = None;
+        let mut current = None;
         for (k, row) in self.rows.iter().enumerate().skip(first_row).step_by(2) {
-            let [top, bottom] = self.reach(ShadingAxis::Y, k);
+            let [top, bottom] = self.cell_extent(ShadingAxis::Y, k);
             let mut i = first;
             while i < row.len() {
-                let [left, mut right] = self.reach(ShadingAxis::X, i);
+                let [left, mut right] = self.cell_extent(ShadingAxis::X, i);
                 let colour = row[i];
                 i += 2;
                 while i < row.len() && row[i] == colour {
-                    right = self.reach(ShadingAxis::X, i)[1];
+                    right = self.cell_extent(ShadingAxis::X, i)[1];
                     i += 2;
                 }
-                if last != Some(colour) {
+                if current != Some(colour) {
                     content.fill_with(colour);
                 }
-                last = Some(colour);
+                current = Some(colour);
                 content.fill_rectangle(Rect::new(left, top, right, bottom));
             }
         }
     }
 
-    /// White at odd nodes, black at even ones, linear between.
+    /// The mask along an axis: white at odd nodes, black at even ones, linear between.
     fn mask(&self, file: &mut File, axis: ShadingAxis) -> Result<Ref> {
         let ([width, height], step) = (self.size(), self.step[axis as usize]);
-        // All tents are one form, moved. The last may end beyond the canvas.
-        let (end, bounds) = match axis {
+        // A tent is black at both ends and white in the middle. One form, moved, draws all tents; the last may
+        // end beyond the canvas.
+        let (direction, bounds) = match axis {
             ShadingAxis::X => ([1.0, 0.0], Rect::new(0.0, -OVERLAP, 2.0 * step, height + OVERLAP)),
             ShadingAxis::Y => ([0.0, 1.0], Rect::new(-OVERLAP, 0.0, width + OVERLAP, 2.0 * step)),
         };
         let [black, white] = [0, 255].map(|light| Colour([light; 3]));
-        let mut gradient = Gradient::linear([0.0; 2], end.map(|v| v * 2.0 * step), [black; 2]);
+        let mut gradient = Gradient::linear([0.0; 2], direction.map(|v| v * 2.0 * step), [black; 2]);
         gradient.between = vec![Stop { offset: 0.5, colour: white, opacity: 1.0 }];
         let mut tent = ContentStream::default();
         set_gradient(&mut tent, file, &gradient, bounds)?;
@@ -155,7 +157,7 @@ impl FieldNodes {
         for node in (1..=self.last(axis)).step_by(2) {
             let from = (node - 1) as f64 * step;
             content.within(|c| {
-                c.transform(Affine::translate((end[0] * from, end[1] * from)));
+                c.transform(Affine::translate((direction[0] * from, direction[1] * from)));
                 c.draw(tent);
             });
         }

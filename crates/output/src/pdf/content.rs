@@ -9,9 +9,9 @@ use vtex_base::raster::colour::Colour;
 
 /// Decimals of coordinates, in pixels; outlines have two.
 const PLACE: u32 = 3;
-/// Decimals of the scales of a change of coordinates.
+/// Decimals of the linear coefficients of a transform.
 const SCALE: u32 = 6;
-/// Decimals of colours and opacities: steps of 8 bits are four times as large.
+/// Decimals of colours and opacities. A step of 8 bits is four units of the last one.
 const SHARE: u32 = 3;
 
 /// Operators in the order in which they paint.
@@ -39,7 +39,7 @@ impl ContentStream {
         result
     }
 
-    /// Changes the coordinates.
+    /// Applies a transform to the coordinates of later operators.
     pub(super) fn transform(&mut self, affine: Affine) {
         let [a, b, c, d, e, f] = affine.as_coeffs();
         numbers(&mut self.text, [a, b, c, d], SCALE);
@@ -59,9 +59,18 @@ impl ContentStream {
         let _ = writeln!(self.text, "/Pattern cs\n/p{name} scn");
     }
 
-    /// Sets the graphics state to an object: an opacity or a mask.
-    pub(super) fn set(&mut self, state: Ref, is_mask: bool) {
-        self.masked |= is_mask;
+    /// Sets the opacity to that of a graphics state.
+    pub(super) fn set_opacity(&mut self, state: Ref) {
+        self.set(state);
+    }
+
+    /// Sets the mask to that of a graphics state.
+    pub(super) fn set_mask(&mut self, state: Ref) {
+        self.masked = true;
+        self.set(state);
+    }
+
+    fn set(&mut self, state: Ref) {
         let name = name(&mut self.states, state);
         let _ = writeln!(self.text, "/g{name} gs");
     }
@@ -102,7 +111,7 @@ impl ContentStream {
         let _ = writeln!(self.text, "/x{name} Do");
     }
 
-    /// Draws a form as optional content: the group of this number among those of the page.
+    /// Draws a form as optional content of the page's group with this index.
     pub(super) fn draw_optional(&mut self, form: Ref, group: usize) {
         let _ = writeln!(self.text, "/OC /l{group} BDC");
         self.draw(form);

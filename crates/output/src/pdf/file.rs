@@ -24,8 +24,8 @@ impl Display for Ref {
 #[derive(Default)]
 pub(super) struct File {
     objects: Vec<Vec<u8>>,
-    /// Objects without a stream, by content: equal ones are written once.
-    known: BTreeMap<String, Ref>,
+    /// The objects without a stream, by content. Equal ones are written once.
+    by_content: BTreeMap<String, Ref>,
 }
 
 impl File {
@@ -42,21 +42,21 @@ impl File {
 
     /// Adds an object.
     pub(super) fn add(&mut self, object: String) -> Ref {
-        if let Some(known) = self.known.get(&object) {
-            return *known;
+        if let Some(number) = self.by_content.get(&object) {
+            return *number;
         }
         let number = self.reserve();
         self.put(number, object.clone());
-        self.known.insert(object, number);
+        self.by_content.insert(object, number);
         number
     }
 
-    /// Adds a stream with the entries of its dictionary, as plain text.
+    /// Adds an unpacked stream.
     pub(super) fn add_text(&mut self, content: &str) -> Ref {
         self.push_stream("", content.as_bytes())
     }
 
-    /// Adds a stream with the entries of its dictionary, packed if that is shorter.
+    /// Adds a stream, packed if that is shorter; `entries` are further entries of its dictionary.
     pub(super) fn add_stream(&mut self, entries: &str, content: &str) -> Result<Ref> {
         const FILTER: &str = "/Filter /FlateDecode";
         let mut packer = ZlibEncoder::new(Vec::new(), Compression::default());
@@ -99,7 +99,7 @@ impl File {
     }
 }
 
-/// A text string: as it is where it is plain ASCII, else in UTF-16.
+/// A text string: in parentheses if all its characters are printable ASCII, else in UTF-16.
 pub(super) fn text(text: &str) -> String {
     if !text.chars().all(|c| matches!(c, ' '..='~')) {
         let digits: String = text.encode_utf16().map(|unit| format!("{unit:04X}")).collect();

@@ -8,9 +8,11 @@ use vtex_base::geometry::Rect;
 use vtex_scene::element::{GradientKind, Stop};
 use vtex_scene::scene::Gradient;
 
-/// Decimals of places and offsets of gradients.
+/// Decimals of the coordinates of gradients.
 const PLACE: u32 = 3;
+/// Decimals of the offsets of stops.
 const OFFSET: u32 = 5;
+/// Decimals of colours and opacities.
 const SHARE: u32 = 3;
 
 /// Sets the opacity of later fills.
@@ -18,13 +20,13 @@ pub(super) fn set_opacity(content: &mut ContentStream, file: &mut File, opacity:
     let mut object = String::from("<</Type /ExtGState/ca ");
     numbers(&mut object, [opacity], SHARE);
     object.pop();
-    content.set(file.add(object + ">>"), false);
+    content.set_opacity(file.add(object + ">>"));
 }
 
-/// Masks later painting by the luminosity of a form, which is a group.
+/// Masks later painting by the luminosity of `mask`, a form that is a group.
 pub(super) fn set_mask(content: &mut ContentStream, file: &mut File, mask: Ref) {
     let object = format!("<</Type /ExtGState/SMask <</Type /Mask/S /Luminosity/G {mask}>>>>");
-    content.set(file.add(object), true);
+    content.set_mask(file.add(object));
 }
 
 /// Sets the gradient of later fills within `bounds`.
@@ -49,8 +51,12 @@ pub(super) fn set_gradient(
     Ok(())
 }
 
-/// The shading dictionary of a gradient; `of` gives the components of a stop.
-fn shading<const N: usize>(gradient: &Gradient, space: &str, of: impl Fn(&Stop) -> [f64; N]) -> String {
+/// The shading dictionary of a gradient in a colour space; `components` gives those of a stop.
+fn shading<const N: usize>(
+    gradient: &Gradient,
+    space: &str,
+    components: impl Fn(&Stop) -> [f64; N],
+) -> String {
     let [[x1, y1], [x2, y2]] = [gradient.from, gradient.to];
     let mut coordinates = String::new();
     let kind = match gradient.kind {
@@ -63,28 +69,29 @@ fn shading<const N: usize>(gradient: &Gradient, space: &str, of: impl Fn(&Stop) 
             3
         }
     };
-    let function = function(&gradient.stops().map(|stop| (stop.offset, of(&stop))).collect::<Vec<_>>());
+    let function =
+        function(&gradient.stops().map(|stop| (stop.offset, components(&stop))).collect::<Vec<_>>());
     format!(
         "<</ShadingType {kind}/ColorSpace /{space}/Coords [{}]/Function {function}/Extend [true true]>>",
         coordinates.trim_end()
     )
 }
 
-/// Linear between stops from 0 to 1.
+/// The dictionary of a function on 0 to 1 that is linear between stops, each an offset with its components.
 fn function<const N: usize>(stops: &[(f64, [f64; N])]) -> String {
-    let parts: Vec<_> = stops.windows(2).filter(|pair| pair[0].0 < pair[1].0).collect();
-    let mut functions = parts.iter().map(|pair| {
+    let segments: Vec<_> = stops.windows(2).filter(|pair| pair[0].0 < pair[1].0).collect();
+    let mut functions = segments.iter().map(|pair| {
         let [mut c0, mut c1] = [String::new(), String::new()];
         numbers(&mut c0, pair[0].1, SHARE);
         numbers(&mut c1, pair[1].1, SHARE);
         format!("<</FunctionType 2/Domain [0 1]/N 1/C0 [{}]/C1 [{}]>>", c0.trim_end(), c1.trim_end())
     });
-    if parts.len() < 2 {
+    if segments.len() < 2 {
         return functions.next().unwrap_or_default();
     }
     let functions: String = functions.collect();
     let (mut bounds, mut encode) = (String::new(), String::new());
-    for (k, pair) in parts.iter().enumerate() {
+    for (k, pair) in segments.iter().enumerate() {
         if k > 0 {
             numbers(&mut bounds, [pair[0].0], OFFSET);
         }
@@ -99,7 +106,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn steps_are_joints_between_parts() {
+    fn steps_are_bounds_between_segments() {
         let two = function(&[(0.0, [0.0]), (1.0, [1.0])]);
         assert_eq!(two, "<</FunctionType 2/Domain [0 1]/N 1/C0 [0]/C1 [1]>>");
         let step = function(&[(0.0, [0.0]), (0.5, [0.25]), (0.5, [1.0]), (1.0, [1.0])]);

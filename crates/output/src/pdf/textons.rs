@@ -21,10 +21,10 @@ pub(super) struct PdfTextons<'a> {
     bounds: Vec<Rect>,
     /// Number of uses of each texton in each colour.
     uses: BTreeMap<(ElementId, Option<Colour>), usize>,
-    /// Those that are defined already.
+    /// Objects of the textons that are defined already.
     defined: BTreeMap<(ElementId, Option<Colour>), Ref>,
     shadows: Shadows,
-    /// The shadows that are defined already.
+    /// Objects of the shadows that are defined already.
     defined_shadows: BTreeMap<shadow::Key, Ref>,
     brushes: BrushForms,
 }
@@ -107,7 +107,7 @@ impl<'a> PdfTextons<'a> {
                     c.transform(affine);
                     match form {
                         Some(form) => c.draw(form),
-                        // In its own coordinates, whose numbers are short.
+                        // Written in its own coordinates, whose numbers are short.
                         None => paint(element, instance.colour, c, file, &mut self.brushes)?,
                     }
                     if let Some(stroke) = instance.stroke {

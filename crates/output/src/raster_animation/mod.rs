@@ -1,6 +1,6 @@
-//! Pictures one after another → one file that plays them: GIF, and PNG that moves (APNG).
+//! Frames → one animated file: GIF or animated PNG (APNG).
 //!
-//! Frames are asked for one by one and written as they come, so no more than one is held.
+//! Frames are requested and written one by one, so only one is held in memory.
 
 mod palette;
 
@@ -12,7 +12,7 @@ use vtex_base::Parameter;
 use vtex_base::error::{Error, Large, Result, check};
 use vtex_base::parallel;
 
-/// How pictures follow one another. They play again and again.
+/// Number and rate of the pictures of an animation, which loops.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RasterAnimation {
     /// Number of pictures, at least 1.

@@ -1,15 +1,15 @@
-//! 256 colours for many pictures: median cut (Heckbert 1982) by variance, and an ordered pattern for
-//! the shades between them (Bayer 1973).
+//! A palette of 256 colours for many pictures: median cut (Heckbert 1982) along the largest variance, and ordered
+//! dithering (Bayer 1973).
 
 use tiny_skia::Pixmap;
 
-/// Bits of a component that distinguish colours in the table.
+/// Bits of a component that the colour table keeps.
 const BITS: u32 = 5;
-/// Side of the table of colours.
+/// Side of the colour table, in cells.
 const SIDE: usize = 1 << BITS;
 /// Most colours besides the transparent one.
 const MOST: usize = 255;
-/// Largest shift of a component by the pattern, in 8-bit steps.
+/// Largest shift of a component by dithering, in 8-bit steps.
 const SPREAD: f64 = 6.0;
 
 /// A palette, and the nearest colour of each cell of the colour table.
@@ -18,10 +18,11 @@ pub(super) struct AnimationPalette {
     colours: Vec<u8>,
     /// Index of the colour nearest to the middle of each cell.
     nearest: Vec<u8>,
+    /// Whether a pixel of the pictures is transparent.
     transparent: bool,
 }
 
-/// The colours in one cell of the table.
+/// Sums over the pixels in one cell of the colour table.
 #[derive(Clone, Copy, Default)]
 struct ColourCell {
     count: u64,
@@ -30,7 +31,7 @@ struct ColourCell {
 }
 
 impl AnimationPalette {
-    /// Colours for these pictures.
+    /// The palette of some pictures. Pixels that are less than half opaque are transparent.
     pub(super) fn new(pictures: &[Pixmap]) -> Self {
         let mut cells = vec![ColourCell::default(); SIDE * SIDE * SIDE];
         let mut transparent = false;
@@ -49,16 +50,17 @@ impl AnimationPalette {
             }
         }
         let used: Vec<ColourCell> = cells.into_iter().filter(|c| c.count > 0).collect();
-        let mut colours = cut(used);
-        let list: Vec<[i32; 3]> = colours.iter().map(|c| c.map(i32::from)).collect();
-        let near = |i: usize| {
+        let mut colours = median_cut(used);
+        let components: Vec<[i32; 3]> = colours.iter().map(|c| c.map(i32::from)).collect();
+        let nearest = |i: usize| {
             let middle =
                 [i / (SIDE * SIDE), i / SIDE % SIDE, i % SIDE].map(|v| (v * 256 / SIDE + 128 / SIDE) as i32);
-            let far = |c: &[i32; 3]| (0..3).map(|k| (c[k] - middle[k]) * (c[k] - middle[k])).sum::<i32>();
+            let distance =
+                |c: &[i32; 3]| (0..3).map(|k| (c[k] - middle[k]) * (c[k] - middle[k])).sum::<i32>();
             // Ties go to the first.
-            list.iter().enumerate().min_by_key(|(_, c)| far(c)).map_or(0, |(k, _)| k as u8)
+            components.iter().enumerate().min_by_key(|(_, c)| distance(c)).map_or(0, |(k, _)| k as u8)
         };
-        let nearest = (0..SIDE * SIDE * SIDE).map(near).collect();
+        let nearest = (0..SIDE * SIDE * SIDE).map(nearest).collect();
         colours.resize(MOST + 1, [0; 3]);
         Self { colours: colours.concat(), nearest, transparent }
     }
@@ -68,12 +70,12 @@ impl AnimationPalette {
         &self.colours
     }
 
-    /// Index of the transparent colour, if a frame is not opaque.
+    /// Index of the transparent colour, if a pixel is transparent.
     pub(super) fn transparent(&self) -> Option<u8> {
         self.transparent.then_some(MOST as u8)
     }
 
-    /// The colours of row `y` of a picture.
+    /// Writes the colour indices of row `y` of a picture to `line`.
     pub(super) fn index_row(&self, picture: &Pixmap, y: usize, line: &mut [u8]) {
         const BAYER: [[u8; 4]; 4] = [[0, 8, 2, 10], [12, 4, 14, 6], [3, 11, 1, 9], [15, 7, 13, 5]];
         let width = picture.width() as usize;
@@ -91,48 +93,53 @@ impl AnimationPalette {
     }
 }
 
+/// Index of the cell of a colour in the colour table.
 fn index(rgb: [u8; 3]) -> usize {
     let [r, g, b] = rgb.map(|v| usize::from(v) >> (8 - BITS));
     (r * SIDE + g) * SIDE + b
 }
 
-/// The mean colours of groups of cells. The group with the largest spread is halved until there are enough.
-fn cut(cells: Vec<ColourCell>) -> Vec<[u8; 3]> {
+/// The mean colours of groups of cells. The group with the largest spread is halved until there are [`MOST`].
+fn median_cut(cells: Vec<ColourCell>) -> Vec<[u8; 3]> {
     let mut groups = vec![CellGroup::new(cells)];
     while groups.len() < MOST {
-        let worst = groups.iter().enumerate().max_by_key(|(i, b)| (b.spread, std::cmp::Reverse(*i)));
-        let Some((i, _)) = worst.filter(|(_, b)| b.spread > 0) else { break };
+        let widest = groups.iter().enumerate().max_by_key(|(i, group)| (group.spread, std::cmp::Reverse(*i)));
+        let Some((i, _)) = widest.filter(|(_, group)| group.spread > 0) else { break };
         let [a, b] = groups.swap_remove(i).halves();
         groups.extend([a, b]);
     }
-    groups.iter().filter(|b| b.all.count > 0).map(|b| b.all.sum.map(|v| (v / b.all.count) as u8)).collect()
+    let totals = groups.iter().map(|group| &group.total).filter(|total| total.count > 0);
+    totals.map(|total| total.sum.map(|v| (v / total.count) as u8)).collect()
 }
 
-/// A group of cells, and its spread along the component of largest variance.
+/// A group of cells.
 struct CellGroup {
     cells: Vec<ColourCell>,
-    all: ColourCell,
+    /// The sums of all cells.
+    total: ColourCell,
+    /// The component with the largest sum of squared deviations.
     axis: usize,
+    /// Its sum of squared deviations; 0 for a single cell.
     spread: u64,
 }
 
 impl CellGroup {
     fn new(cells: Vec<ColourCell>) -> Self {
-        let mut all = ColourCell::default();
+        let mut total = ColourCell::default();
         for cell in &cells {
-            all.count += cell.count;
+            total.count += cell.count;
             for k in 0..3 {
-                all.sum[k] += cell.sum[k];
-                all.squares[k] += cell.squares[k];
+                total.sum[k] += cell.sum[k];
+                total.squares[k] += cell.squares[k];
             }
         }
         let spread = |k: usize| {
-            let mean = u128::from(all.sum[k]) * u128::from(all.sum[k]) / u128::from(all.count.max(1));
-            u64::try_from(u128::from(all.squares[k]).saturating_sub(mean)).unwrap_or(u64::MAX)
+            let mean = u128::from(total.sum[k]) * u128::from(total.sum[k]) / u128::from(total.count.max(1));
+            u64::try_from(u128::from(total.squares[k]).saturating_sub(mean)).unwrap_or(u64::MAX)
         };
         let axis = (0..3).rev().max_by_key(|&k| spread(k)).unwrap_or(0);
         let spread = if cells.len() > 1 { spread(axis) } else { 0 };
-        Self { cells, all, axis, spread }
+        Self { cells, total, axis, spread }
     }
 
     /// The two halves, cut at the mean; neither is empty.
@@ -140,7 +147,7 @@ impl CellGroup {
         let k = self.axis;
         let mean = |c: &ColourCell| c.sum[k] * 256 / c.count;
         self.cells.sort_by_key(mean);
-        let middle = self.all.sum[k] * 256 / self.all.count;
+        let middle = self.total.sum[k] * 256 / self.total.count;
         let at = self.cells.partition_point(|c| mean(c) < middle).clamp(1, self.cells.len() - 1);
         let second = self.cells.split_off(at);
         [Self::new(self.cells), Self::new(second)]

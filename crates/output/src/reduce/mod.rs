@@ -37,7 +37,7 @@ pub struct GivenUp {
     pub elements: usize,
 }
 
-/// A scene that fits.
+/// A scene of which the file fits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReducedScene<'a> {
     /// The scene to write.
@@ -48,8 +48,8 @@ pub struct ReducedScene<'a> {
     pub given_up: Option<GivenUp>,
 }
 
-/// Finds the finest of the ladder's steps at which `measure`, the bytes of the file, is at most
-/// `most`. Same scene, options and measure: the same result.
+/// Finds the first step of the ladder at which `measure`, the number of bytes of the file, is at most `most`.
+/// The same scene, options and measure give the same result.
 ///
 /// # Errors
 /// [`Error::Format`] for a scene that breaks its invariants; [`Error::MaxBytes`] if even the last

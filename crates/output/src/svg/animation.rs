@@ -4,11 +4,11 @@
 //! A texton that becomes another is drawn once, as in the first scene, with a rule for its state at the end,
 //! and at half-time if it does not move straight; the viewer interpolates. Programs without support for
 //! animation show the first scene. Outlines are smooth splines: between the middles of the sides of a polygon
-//! run parabolas that touch its sides. As `T` commands these need but one point each, and the numbers of one
-//! path can be turned into those of another one by one.
+//! run parabolas that touch its sides. As `T` commands they need one point each, and a ring has the same
+//! number of points at all times, so that viewers can interpolate its path.
 //!
-//! Elements that grow or shrink are animated as paths too: Chromium would make a layer of its own of everything
-//! whose transform is animated, and thousands of them are more than it can paint.
+//! Elements that grow or shrink are animated as paths too: Chromium gives everything whose transform is
+//! animated a layer of its own, and cannot paint thousands of them.
 //!
 //! Gradients on textons are drawn in their mean colours, shadows with a sharp edge. The painting order
 //! is that half-way, because it cannot change in a document.

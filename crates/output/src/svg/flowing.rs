@@ -3,7 +3,7 @@
 //! The document is that of the scene at rest. Each moving element is in a group that is animated along its
 //! path, by keys with linear motion between them; where all elements turn together, each layer is one such
 //! group. Programs without support for animation show the scene at rest. Shadows move and turn with their
-//! elements. Style rules are not used, because browsers make a layer of everything that one moves.
+//! elements. CSS is not used, because browsers give every element that CSS animates a layer of its own.
 
 use super::animation::{MANY_SHAPES, SECONDS};
 use super::number::{Number, list};
@@ -14,7 +14,7 @@ use std::io::{self, Write};
 use vtex_edit::flow::{Flowing, Key};
 use vtex_scene::scene::{Instance, InstanceId, Scene};
 
-/// Digits of shares of time: an instantaneous change takes some millionths of the loop.
+/// Decimals of shares of time: an instantaneous change takes some millionths of the loop.
 const DIGITS: u8 = 6;
 
 /// Writes a scene in a flow as one SVG that plays in browsers, again and again. `seconds` is the length of
@@ -58,7 +58,7 @@ pub(super) struct DocumentMotion<'a> {
 }
 
 /// The path of one element.
-pub(super) struct Way<'a> {
+pub(super) struct AnimatedPath<'a> {
     moving: &'a DocumentMotion<'a>,
     keys: &'a [Key],
 }
@@ -70,7 +70,7 @@ pub(super) fn at_origin(instance: &Instance) -> Instance {
 }
 
 impl DocumentMotion<'_> {
-    /// Begins the group of elements that turn together, if they do.
+    /// Begins the group of a layer, if all elements turn together.
     pub(super) fn begin_turn<W: Write>(&self, xml: &mut Xml<W>, scene: &Scene) -> io::Result<bool> {
         let Some(rounds) = self.rounds else { return Ok(false) };
         let middle = [scene.width, scene.height].map(|side| Number(f64::from(side) / 2.0, 1));
@@ -83,9 +83,9 @@ impl DocumentMotion<'_> {
     }
 
     /// The path of an element, unless it rests.
-    pub(super) fn way(&self, instance: &Instance) -> Option<Way<'_>> {
+    pub(super) fn path_of(&self, instance: &Instance) -> Option<AnimatedPath<'_>> {
         let keys = self.ways.get(&instance.id)?;
-        Some(Way { moving: self, keys })
+        Some(AnimatedPath { moving: self, keys })
     }
 
     /// One animation of the open group.
@@ -102,7 +102,7 @@ impl DocumentMotion<'_> {
     }
 }
 
-impl Way<'_> {
+impl AnimatedPath<'_> {
     /// Writes the place and the animations of the open group.
     pub(super) fn write<W: Write>(&self, xml: &mut Xml<W>, instance: &Instance) -> io::Result<()> {
         let precision = self.moving.precision;
@@ -135,7 +135,7 @@ impl Way<'_> {
         let mut last = -1.0;
         let count = self.keys.len() as f64;
         let rounded = self.keys.iter().enumerate().map(|(k, key)| {
-            // Time steps are left for the later keys.
+            // Leaves room for the later keys.
             let most = step - (count - 1.0 - k as f64);
             last = libm::round(key.time * step).max(last + 1.0).min(most);
             Number(last / step, DIGITS).to_string()

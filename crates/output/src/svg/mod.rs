@@ -6,18 +6,18 @@
 //! References are `xlink:href`, which old and new readers alike understand. A texton that stands once is
 //! written where it stands.
 //!
-//! In a scene that tiles, textons that cross an edge come again at the opposite one, right after
-//! their original: primaries as a `<use>` of it, secondaries in full.
+//! In a scene that tiles, textons that cross an edge are repeated at the opposite one, right after their
+//! original: primaries as a `<use>` of it, secondaries in full.
 //!
-//! Layers become groups with the layer's name; a region becomes a clip path. A reader finds of every
-//! element of a layer of individuals its *category* in the class of its group (`category-2`, or
-//! `category-2-1` for category 2 of library 1 where there are several, both numbered from 1); its *source*, the
-//! index among the elements of its library, in the id of its definition, or of its first path where it
-//! stands once (`t12` is element 12 with a category, `s340` element 340 without one, `t12-2` that of
-//! library 2 where there are several); in an expanded file in
-//! `data-source` and `data-library` of its first path; its *place in the painting order* in the order of
-//! the document. Soft ellipses that are elements of their own have a brush and a place, and no id. What stands in such a layer without an id is a copy of what its `xlink:href` or
-//! `data-copy-of` names. The layers are layers in Inkscape too, and the symbols have titles.
+//! Layers become groups with the layer's name; a region becomes a clip path. A reader finds of every element
+//! of a layer of individuals its *category* in the class of its group (`category-2`, or `category-2-1` for
+//! category 2 of library 1 where there are several, both numbered from 1); its *source*, the index among the
+//! elements of its library, in the id of its definition, or of its first path where it stands once (`t12` is
+//! element 12 with a category, `s340` element 340 without one, `t12-2` that of library 2 where there are
+//! several); in an expanded file in `data-source` and `data-library` of its first path; its *place in the
+//! painting order* in the order of the document. Soft ellipses that are elements of their own have a brush
+//! and a place, but no id. Any other element of such a layer without an id is a copy of the one that its
+//! `xlink:href` or `data-copy-of` names. The layers are layers in Inkscape too, and the symbols have titles.
 //!
 //! Ids: layers `background`, `secondary`, `primary`, or `layer-` and a name of their own, with `-region`
 //! their clip paths; `p7` the instance of id 7; `t…` and `s…` the elements, `t12g` the gradient of one,
@@ -45,7 +45,7 @@ pub use flowing::write_flow;
 use super::background::PreparedBackground;
 use super::categories::{SceneCategory, class};
 use super::{CSS_DPI, DPI};
-use flowing::{DocumentMotion, Way, at_origin};
+use flowing::{AnimatedPath, DocumentMotion, at_origin};
 use layers::LayerGroup;
 use number::{HexColour, Number};
 use std::io::{self, Write};
@@ -67,7 +67,7 @@ const PATTERN: &str = "texture";
 /// into whole pixels; a cell that ends within a pixel would leave a transparent hairline.
 const BLEED: f64 = 8.0;
 
-/// Number of elements, with every `<use>` followed, from which editors are slow.
+/// Number of elements, with every `<use>` followed, from which on editors are slow.
 const SLOW_ELEMENTS: u64 = 100_000;
 /// Seconds and gigabytes that Inkscape needs to open a million elements: it took 37 s and 6.3 GB for 330 000.
 const INKSCAPE: [f64; 2] = [112.0, 19.0];
@@ -218,7 +218,7 @@ struct Document<'a> {
     categories: Vec<SceneCategory>,
     /// Whether categories have style rules.
     css: bool,
-    /// Distance by which its content extends beyond the canvas, in pixels.
+    /// Distance by which the content extends beyond the canvas, in pixels.
     bleed: f64,
     /// The recipe in the metadata: how the scene was made.
     recipe: Option<&'a serde_json::Value>,
@@ -377,7 +377,7 @@ impl<'a> Document<'a> {
             }
             for instance in run {
                 for shift in textons.copies(instance) {
-                    let moves = self.way(instance).is_some();
+                    let moves = self.path_of(instance).is_some();
                     if moves {
                         xml.open("g");
                     }
@@ -397,8 +397,8 @@ impl<'a> Document<'a> {
     }
 
     /// The path of an element, unless it rests.
-    fn way(&self, instance: &Instance) -> Option<Way<'_>> {
-        self.moving.as_ref().and_then(|moving| moving.way(instance))
+    fn path_of(&self, instance: &Instance) -> Option<AnimatedPath<'_>> {
+        self.moving.as_ref().and_then(|moving| moving.path_of(instance))
     }
 
     /// Writes an element in the open group, which is animated if the element moves.
@@ -409,7 +409,7 @@ impl<'a> Document<'a> {
         shift: Vec2,
         fill: bool,
     ) -> io::Result<()> {
-        match self.way(instance) {
+        match self.path_of(instance) {
             Some(way) => {
                 way.write(xml, instance)?;
                 self.textons.write_instance(xml, &at_origin(instance), shift, fill)

@@ -48,12 +48,12 @@ pub(super) struct SvgTextons<'a> {
     clips: Cell<u64>,
 }
 
-/// What the path of an element's first shape is called.
+/// How the source of an element's first path is stated.
 #[derive(Clone, Copy)]
 enum PathId {
-    /// By the element's source, of an element written in place.
+    /// By the path's own attributes, for an element written in place.
     Source(usize),
-    /// By the id of the definition that it is part of.
+    /// By the id of its definition.
     Base(usize),
     Nothing,
 }

@@ -4,14 +4,14 @@ use std::fmt::{Display, Write as _};
 use std::io::{self, Write};
 use vtex_base::document::turns_text;
 
-/// Bytes gathered before they are handed on.
+/// Size of the buffer, in bytes.
 const BUFFER: usize = 1 << 16;
 
-/// The elements and references that a viewer meets which follows every `<use>`.
+/// Numbers of elements and references that a viewer processes if it follows every `<use>`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct ViewerLoad {
     pub(super) elements: u64,
-    /// References that it follows: those of `<use>`, gradients, masks and clip paths.
+    /// Number of references: those of `<use>`, gradients, masks and clip paths.
     pub(super) references: u64,
 }
 
@@ -66,7 +66,7 @@ impl<W: Write> Xml<W> {
         self.drawn.references += used.references;
     }
 
-    /// The elements and references that a viewer meets so far.
+    /// The elements and references so far.
     pub(super) fn drawn(&self) -> ViewerLoad {
         self.drawn
     }
@@ -90,7 +90,7 @@ impl<W: Write> Xml<W> {
         self.escape_from(start);
     }
 
-    /// Much text inside the open element, which needs no escapes.
+    /// Text inside the open element that needs no escapes.
     pub(super) fn raw_text(&mut self, text: &str) -> io::Result<()> {
         self.end_tag();
         self.buffer.push_str(text);

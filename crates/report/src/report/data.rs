@@ -56,7 +56,7 @@ struct LibraryData<'a> {
     width: u32,
     height: u32,
     warnings: &'a [String],
-    /// As text: numbers in scripts are not exact beyond 2⁵³.
+    /// As text, because numbers in scripts are not exact beyond 2⁵³.
     seed: String,
     parameters: &'a AnalyzeParams,
     defaults: AnalyzeParams,
@@ -105,7 +105,7 @@ pub(super) struct SceneData<'a> {
 }
 
 /// The ellipse of two standard deviations of an individual element: x, y, half axes, all in pixels, and the
-/// angle of its direction in degrees from x towards y. Of an elliptic element it is the outline.
+/// angle of its direction in degrees from x towards y. For an elliptic element it is the outline.
 pub(super) type Ellipse = [f64; 5];
 
 /// An operation that was applied to the result.

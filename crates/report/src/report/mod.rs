@@ -47,8 +47,7 @@ pub struct Subject<'a> {
     pub scene: Option<&'a Named<Scene>>,
     /// Candidate photographs. Those whose SHA-256 matches an exemplar are shown.
     pub photos: &'a [Photo],
-    /// A sentence that the page adds where a photograph was not given, such as how to give it; may be
-    /// empty.
+    /// A sentence that the page shows in place of a missing photograph, such as how to give it; may be empty.
     pub ask: &'a str,
 }
 
@@ -93,7 +92,7 @@ pub fn write(subject: &Subject<'_>, mut out: impl Write) -> io::Result<Vec<Strin
     let json = serde_json::to_string(&data)?;
     let page = ReportPage { title: title(subject, &groups), json, files };
     page.write(&mut out)?;
-    Ok(photo::strangers(&groups, subject.photos))
+    Ok(photo::unmatched(&groups, subject.photos))
 }
 
 /// Validates a document that may have been built in memory.

@@ -85,7 +85,7 @@ fn shown(photo: &Photo) -> Option<(&'static str, Cow<'_, [u8]>)> {
 }
 
 /// Warnings about files named as photographs that match no exemplar.
-pub(super) fn strangers(groups: &[ReportGroup<'_>], photos: &[Photo]) -> Vec<String> {
+pub(super) fn unmatched(groups: &[ReportGroup<'_>], photos: &[Photo]) -> Vec<String> {
     let known = |p: &Photo| groups.iter().any(|g| g.exemplar.sha256 == p.sha256);
     let strange = photos.iter().filter(|p| p.given && !known(p));
     strange

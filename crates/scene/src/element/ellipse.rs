@@ -69,7 +69,8 @@ impl Profile {
         }
     }
 
-    /// The radius of an opaque disc that paints as much as the unit disc does: where nothing soft can be drawn.
+    /// The radius of an opaque disc with the same integral of opacity as the soft unit disc, for formats
+    /// without soft paint.
     pub fn opaque_radius(self) -> f64 {
         libm::sqrt(self.mean_opacity())
     }
@@ -119,7 +120,7 @@ impl Ellipse {
     /// too flat or too large.
     pub fn of_square(centre: [f64; 2], square: [f64; 3], profile: Profile) -> Option<Self> {
         let matrix = square_root(square);
-        // Divided, so that it has two decimals in a file.
+        // Divided by a whole number, so that files have two decimals.
         let grid = |v: f64| libm::round(v / STEP) / libm::round(1.0 / STEP);
         let ellipse = Self { centre: centre.map(grid), matrix: matrix.map(grid), profile };
         ellipse.fault().is_none().then_some(ellipse)
@@ -148,7 +149,7 @@ impl Ellipse {
         Self::new(affine * self.map(), self.profile)
     }
 
-    /// The ellipse that covers what an outline covers, by its moments; `None` if the outline is degenerate.
+    /// The ellipse with the moments of an outline; `None` if the outline is degenerate.
     pub(super) fn of_outline(outline: &Outline, profile: Profile) -> Option<Self> {
         let SecondMoments { centroid, covariance, .. } = SecondMoments::new(outline);
         // The unit disc has the covariance 1/4.
@@ -194,7 +195,7 @@ mod tests {
             * Affine::scale_non_uniform(5.0, 2.0)
             * rotation(1.1);
         let ellipse = Ellipse::new(map, Profile::Sharp).unwrap();
-        // The disc turned within itself leaves it as it is.
+        // A rotation of the disc does not change it.
         let other = Ellipse::new(map * rotation(-0.4), Profile::Sharp).unwrap();
         let outline = ellipse.outline().unwrap();
         assert!((outline.area() - 10.0 * std::f64::consts::PI).abs() < 0.1);

@@ -22,7 +22,7 @@ pub use gradient::{Gradient, GradientKind, Stop};
 pub use line::stroked;
 pub use line::{Cap, Join, Line};
 pub use shape::Shape;
-pub use similar::classes;
+pub use similar::{SimilarTo, classes};
 
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
@@ -37,7 +37,7 @@ use vtex_base::geometry::{Outline, Rect};
 pub struct ElementId(pub u32);
 
 impl ElementId {
-    /// The index of the element that `count` others precede.
+    /// The index of the element that follows `count` others.
     pub fn after(count: usize) -> Self {
         Self(count as u32)
     }

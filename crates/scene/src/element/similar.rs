@@ -4,7 +4,7 @@ use super::Shape;
 use std::collections::BTreeMap;
 use vtex_base::geometry::{Affine, BezPath, PathEl, Point};
 
-/// Most points of a ring of straight lines that is compared with another from each of its points.
+/// Largest number of points of a polygon for which each point is tried as the first.
 const MOST_STARTS: usize = 64;
 
 /// The angle-preserving map from one list of shapes to another with the same paints, exact to `tolerance`
@@ -26,7 +26,7 @@ fn similarity(from: &[Shape], to: &[Shape], tolerance: f64) -> Option<Affine> {
         return None;
     }
     let p: Vec<Point> = p.concat();
-    // A single ring of lines may begin at any of its points.
+    // A polygon may begin at any of its points.
     let starts = match &q[..] {
         [ring] if ring.len() <= MOST_STARTS && lines_only(&to[0]) => ring.len(),
         _ => 1,
@@ -43,14 +43,22 @@ fn similarity(from: &[Shape], to: &[Shape], tolerance: f64) -> Option<Affine> {
     found.filter(|map| lines_fit(from, to, *map, tolerance))
 }
 
-/// For each list of shapes, the first similar one, and the map from that one. Lists of different `kinds` are
-/// never similar.
+/// A member of a class of similar lists of shapes.
+#[derive(Clone, Copy, Debug)]
+pub struct SimilarTo {
+    /// Index of the first member of the class; its own if no earlier list is similar.
+    pub first: usize,
+    /// The map from the first member.
+    pub map: Affine,
+}
+
+/// The class of each list of shapes. Lists of different `kinds` are never similar.
 pub fn classes<'a, K: Ord>(
     count: usize,
     shapes: impl Fn(usize) -> &'a [Shape],
     kinds: impl Fn(usize) -> K,
     tolerance: f64,
-) -> Vec<(usize, Affine)> {
+) -> Vec<SimilarTo> {
     let mut firsts: BTreeMap<_, Vec<usize>> = BTreeMap::new();
     let mut found = Vec::with_capacity(count);
     let sketches: Vec<[f64; 2]> = (0..count).map(|k| sketch(shapes(k))).collect();
@@ -59,20 +67,22 @@ pub fn classes<'a, K: Ord>(
         let length: usize = own.iter().map(|s| s.outline.path().elements().len()).sum();
         let colour = own.first().map(|s| s.colour.0);
         let known = firsts.entry((own.len(), length, colour, kinds(k))).or_default();
-        // Only some of many similar lists are compared.
-        let near = known.iter().rev().take(64).copied();
-        let mut near = near.filter(|&first| may_be_similar(sketches[first], sketches[k], tolerance));
-        let like = near.find_map(|first| Some((first, similarity(shapes(first), own, tolerance)?)));
-        if like.is_none() {
+        // At most 64 candidates are compared.
+        let candidates = known.iter().rev().take(64).copied();
+        let mut candidates =
+            candidates.filter(|&first| may_be_similar(sketches[first], sketches[k], tolerance));
+        let similar = candidates
+            .find_map(|first| Some(SimilarTo { first, map: similarity(shapes(first), own, tolerance)? }));
+        if similar.is_none() {
             known.push(k);
         }
-        found.push(like.unwrap_or((k, Affine::IDENTITY)));
+        found.push(similar.unwrap_or(SimilarTo { first: k, map: Affine::IDENTITY }));
     }
     found
 }
 
-/// A measure that similar shapes share whatever their size (root mean square over mean of the distances of
-/// their control points from the middle), and their size.
+/// Two measures of shapes, from the distances of their control points from the middle: root mean square over
+/// mean, which does not depend on size, and the mean.
 fn sketch(shapes: &[Shape]) -> [f64; 2] {
     let all: Vec<Point> = points(shapes).unwrap_or_default().concat();
     let count = all.len().max(1) as f64;
@@ -85,8 +95,8 @@ fn sketch(shapes: &[Shape]) -> [f64; 2] {
 
 /// Whether shapes with these sketches can be similar: each point may deviate by the tolerance.
 fn may_be_similar(a: [f64; 2], b: [f64; 2], tolerance: f64) -> bool {
-    let off = 6.0 * tolerance / a[1].min(b[1]).max(1e-9);
-    (a[0] - b[0]).abs() <= off + 1e-9
+    let deviation = 6.0 * tolerance / a[1].min(b[1]).max(1e-9);
+    (a[0] - b[0]).abs() <= deviation + 1e-9
 }
 
 /// Control points of each subpath.
@@ -125,8 +135,8 @@ fn lines_only(shape: &Shape) -> bool {
     shape.line.is_none() && shape.outline.path().elements().iter().all(straight)
 }
 
-/// The least squares map from points to points, if all deviate by at most the tolerance. As complex numbers
-/// it is z ↦ a·z + b, or a·z̄ + b if mirrored.
+/// The least squares similarity between two lists of points, if none deviates by more than the tolerance. In
+/// complex numbers it is z ↦ a·z + b, or a·z̄ + b if mirrored.
 fn fitted(p: &[Point], q: &[Point], mirrored: bool, tolerance: f64) -> Option<Affine> {
     let n = p.len() as f64;
     let mean = |v: &[Point]| {

@@ -38,20 +38,20 @@ fn soft_ellipses_are_stored_by_their_matrix() {
     let text = serde_json::to_string(&soft).unwrap();
     assert_eq!(text, r##"{"ellipse":{"centre":[4.0,3.0],"matrix":[2.0,0.5,1.0]},"colour":"#070707"}"##);
     assert_eq!(again(&soft), soft);
-    // It weighs less than its rim encloses, and is seen on another shape only.
+    // Its weighted area is smaller than that of its rim, and it is visible only on another shape.
     let rim = soft.outline.area();
     assert!((rim - 1.75 * std::f64::consts::PI).abs() < 0.02 && soft.area() < 0.2 * rim);
     let base = Shape::new(Outline::new(&parse_path("M0 0h8v4h-8z").unwrap()).unwrap(), Colour([1; 3]));
     assert_eq!(bounds(&[base.clone(), soft.clone()]), base.outline.bounds());
     assert_eq!(fault(&[base.clone(), soft.clone()]), None);
     assert!(fault(&[soft.clone(), base]).is_some_and(|f| f.contains("shapes on a soft ellipse")));
-    // Alone it is an element.
+    // Alone it is a valid element.
     assert_eq!(fault(std::slice::from_ref(&soft)), None);
     assert_eq!(bounds(std::slice::from_ref(&soft)), soft.outline.bounds());
     let sharp = Shape::of_ellipse(Ellipse { profile: Profile::Sharp, ..ellipse }, Colour([7; 3])).unwrap();
     let text = serde_json::to_string(&sharp).unwrap();
     assert!(text.contains(r#""profile":"sharp""#) && again(&sharp) == sharp, "{text}");
-    // Another outline, another ellipse.
+    // Another outline gives another ellipse.
     let twice = soft.with_outline(soft.outline.moved(Affine::scale(2.0)));
     let matrix = twice.ellipse.unwrap().matrix;
     assert!(matrix.iter().zip([4.0, 1.0, 2.0]).all(|(a, b)| (a - b).abs() < 0.02), "{matrix:?}");

@@ -6,7 +6,8 @@ use rustfft::num_complex::Complex;
 use vtex_base::fourier::Spectrum;
 use vtex_base::raster::blur::{Plane, oklab_planes};
 
-/// Deviation of the blur that is subtracted, as a share of the shorter side: clouds are no period.
+/// Deviation of the blur that is subtracted, as a share of the shorter side, so that clouds do not count as
+/// periods.
 const LARGEST: f32 = 1.0 / 8.0;
 /// Deviation of the blur that removes structure smaller than an element, in pixels.
 const SMALLEST: f32 = 0.8;
@@ -115,7 +116,7 @@ fn main_component(a: &Plane, b: &Plane) -> Plane {
     Plane { size: a.size, values }
 }
 
-/// The least size from `least` on whose transform is fast: of the factors 2, 3 and 5.
+/// The smallest size from `least` on whose only prime factors are 2, 3 and 5, so that its transform is fast.
 fn fast_size(least: usize) -> usize {
     let fast = |mut v: usize| {
         for p in [2, 3, 5] {

@@ -161,7 +161,8 @@ fn peaks(correlation: &Autocorrelation) -> Vec<Peak> {
     peaks
 }
 
-/// The shortest peak that satisfies `counts` and is nearly as high as the highest of these.
+/// The peak with the shortest lag among those that satisfy `counts` and are nearly as high as the highest of
+/// them.
 fn shortest(peaks: &[Peak], counts: impl Fn(&Peak) -> bool) -> Option<Peak> {
     let counting: Vec<&Peak> = peaks.iter().filter(|p| counts(p)).collect();
     let highest = counting.iter().map(|p| p.height).fold(0.0, f64::max);
@@ -204,7 +205,7 @@ fn fitted(correlation: &Autocorrelation, vectors: Vec<[f64; 2]>) -> Option<Latti
     };
     let mut stray = 0.0;
     let mut share = 0.0;
-    // From the nearest multiples outwards: each fit predicts the places of the next ring.
+    // Multiples are used from the nearest outwards: each fit predicts the places of the next ring.
     for most in 1..=MULTIPLES {
         let near = ASTRAY * vectors.iter().map(|v| length(*v)).fold(f64::INFINITY, f64::min);
         let radius = near.clamp(1.0, 6.0) as i32;
@@ -282,7 +283,7 @@ fn reduced(vectors: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
         }
         let n = libm::round(dot(a, b) / dot(a, a));
         let shorter = [b[0] - n * a[0], b[1] - n * a[1]];
-        // Two vectors of equal length would be exchanged for ever.
+        // Without this, two vectors of equal length would be exchanged endlessly.
         if dot(shorter, shorter) >= dot(b, b) * 0.999 {
             break;
         }

@@ -65,7 +65,7 @@ fn regular(seed: u64) -> (RgbImage, [[f64; 2]; 2]) {
     (picture(&places, half, round, &mut random), vectors)
 }
 
-/// A picture of elements of several sizes anywhere.
+/// A picture of elements of several sizes at random places.
 fn irregular(seed: u64) -> RgbImage {
     let mut random = stream(seed, "lattice test", 1);
     let size = random.range(5.0, 14.0);
@@ -91,7 +91,7 @@ fn same(found: &Lattice, wanted: [[f64; 2]; 2]) -> bool {
     within && (d / cross(wanted[0], wanted[1])).abs() > 0.8
 }
 
-/// Shares of lattices that are found right, and of irregular pictures in which one is found.
+/// Shares of lattices that are found correctly, and of irregular pictures in which a lattice is found.
 fn shares(count: u64) -> (f64, f64) {
     let right = (0..count).filter(|&seed| {
         let (image, wanted) = regular(seed);

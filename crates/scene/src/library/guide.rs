@@ -51,7 +51,8 @@ impl Guide {
         Self { cell, picture: Picture(RgbImage::from_fn(width.div_ceil(cell), height.div_ceil(cell), mean)) }
     }
 
-    /// The lattice of an exemplar, found in its self. `repeated` if the exemplar is one period of a drawing.
+    /// The lattice of an exemplar, found in the exemplar itself. `repeated` if the exemplar is one period of
+    /// a drawing.
     pub fn lattice(&self, repeated: bool) -> Option<Lattice> {
         let found = lattice::find(&self.picture.0, repeated)?;
         Some(found.scaled([f64::from(self.cell); 2])).filter(|l| l.fault().is_none())

@@ -49,7 +49,7 @@ fn identity() -> [f64; 6] {
 }
 
 impl ExemplarInstance {
-    /// An element where its shapes say.
+    /// An element at the place of its shapes.
     pub fn of(element: ElementId) -> Self {
         Self { element, transform: identity() }
     }

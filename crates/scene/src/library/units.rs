@@ -7,7 +7,7 @@
 //! than one, a small drawing several. Areas of elements and the windows of descriptors are counted in pixels
 //! of the arrangement, because they are read from it.
 //!
-//! Placement works on pixels. [`Library::at_scale`] gives it a library of which the pixels are the units.
+//! Placement works on pixels. [`Library::at_scale`] gives it a library whose units are pixels.
 
 use super::{Arrangement, ExemplarElement, ExemplarInstance, ExemplarLayer, Guide, Library, Picture};
 use crate::scene::scaling::{conjugate, place};
@@ -84,7 +84,7 @@ impl Library {
         }
     }
 
-    /// Resamples the maps; `area` is the factor by which that changes areas.
+    /// Resamples the maps; `area` is the resulting factor of areas in pixels.
     fn resample(&mut self, size: [u32; 2], area: f64) {
         let [width, height] = size;
         let labels = self.arrangement.to_labels().resized(width, height);

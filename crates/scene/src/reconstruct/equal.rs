@@ -1,6 +1,6 @@
 //! Equal elements, and scenes that list them once.
 
-use crate::element::classes;
+use crate::element::{SimilarTo, classes};
 use crate::library::{ExemplarElement, Library};
 use crate::scene::{ElementId, Instance, Scene};
 use std::collections::BTreeMap;
@@ -10,13 +10,13 @@ use vtex_base::geometry::{Affine, rounded};
 const EQUAL: f64 = 0.12;
 
 /// For each element, the first that is equal to it up to a similarity.
-pub fn equal(elements: &[ExemplarElement]) -> Vec<(usize, Affine)> {
+pub fn equal(elements: &[ExemplarElement]) -> Vec<SimilarTo> {
     classes(elements.len(), |k| &elements[k].shapes, |k| elements[k].clipped, EQUAL)
 }
 
 /// Lists equal elements of a reconstruction once: their instances show the first, turned and moved.
 pub(super) fn share_equal(scene: &mut Scene, library: &Library) {
-    let known = equal(library.primaries());
+    let equal = equal(library.primaries());
     let origin = |k: usize| {
         let [x, y] = library.elements[k].origin().map(f64::from);
         Affine::translate((x, y))
@@ -30,7 +30,7 @@ pub(super) fn share_equal(scene: &mut Scene, library: &Library) {
     let sources: Vec<Option<usize>> = scene.elements.iter().map(|e| e.source.map(|s| s.index())).collect();
     let change = |instance: &mut Instance| {
         let Some(own) = sources[instance.element.index()] else { return };
-        let Some(&(first, map)) = known.get(own) else { return };
+        let Some(&SimilarTo { first, map }) = equal.get(own) else { return };
         if let Some(&id) = listed.get(&first).filter(|_| first != own) {
             let to = instance.affine() * origin(own).inverse() * map * origin(first);
             instance.transform = rounded(to);

@@ -1,4 +1,4 @@
-//! Outlines as pixels.
+//! Converts outlines to pixels.
 
 use crate::element::Shape;
 use vtex_base::geometry::{Interior, Outline};

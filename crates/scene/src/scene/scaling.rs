@@ -1,4 +1,4 @@
-//! A scene in other units: all lengths are scaled.
+//! Scales all lengths of a scene.
 
 use super::{ControlPoint, Domain, Element, Field, Instance, Layer, Scene, Shadow, Stroke};
 use vtex_base::geometry::{Affine, Outline};
@@ -12,7 +12,7 @@ pub(crate) fn place(at: [f64; 2], by: [f64; 2]) -> [f64; 2] {
     [0, 1].map(|k| libm::round(at[k] * by[k] * FINE) / FINE)
 }
 
-/// The map of an instance where elements are scaled by `elements` and places by `places`, along x and y.
+/// The map of an instance after elements are scaled by `elements` and places by `places`, along x and y.
 pub(crate) fn conjugate([a, b, c, d, e, f]: [f64; 6], elements: [f64; 2], places: [f64; 2]) -> [f64; 6] {
     let across = elements[1] / elements[0];
     let [e, f] = place([e, f], places);
@@ -34,7 +34,7 @@ impl Field {
 
 impl Scene {
     /// The scene stretched over a canvas of another size in pixels. Elements, with their shadows and strokes,
-    /// are scaled by `elements` along x and y, which is the same but for the rounding of the canvas.
+    /// are scaled by `elements` along x and y; these factors equal those of the canvas up to its rounding.
     pub fn scaled(self, [width, height]: [u32; 2], elements: [f64; 2]) -> Self {
         let places = [f64::from(width) / f64::from(self.width), f64::from(height) / f64::from(self.height)];
         let affine = Affine::scale_non_uniform(elements[0], elements[1]);

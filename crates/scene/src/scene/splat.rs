@@ -76,7 +76,7 @@ mod tests {
         let mut differ = 0;
         for (i, (pixel, other)) in drawn.iter().zip(&turned).enumerate() {
             let at = Point::new((i % 24) as f64 + 0.5, (i / 24) as f64 + 0.5);
-            // Equations 4.12 to 4.14, without values beyond the reach, as in the drawing.
+            // Equations 4.12 to 4.14. Values beyond the reach are left out, as in the drawing.
             let opacity = |g: &Gaussian| {
                 let v = g.at(at);
                 let [xx, _, yy] = g.covariance;

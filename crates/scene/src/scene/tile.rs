@@ -73,7 +73,7 @@ impl Scene {
             if !(repeats && low.is_finite() && high.is_finite()) {
                 return (0, 1, size);
             }
-            // Copy k reaches into the canvas if low + k·size < size and high + k·size > 0.
+            // Copy k overlaps the canvas if low + k·size < size and high + k·size > 0.
             let first = libm::floor(-high / size) + 1.0;
             let end = libm::ceil((size - low) / size).min(first + MOST_COPIES);
             (first as i64, end as i64, size)

@@ -1,11 +1,12 @@
 //! Pair correlation of the centres of primaries, within and between categories.
 //!
-//! g(r) is the number of pairs at a distance r relative to a random scatter: 1 everywhere for a random
-//! scatter, 0 below the least distance of elements, high where they cluster or line up. It is estimated as
+//! g(r) is the number of pairs at a distance r relative to a random scatter: 1 for a random scatter, 0 below
+//! the least distance of elements, high at distances at which they cluster or line up. It is estimated as
 //! pairs found by pairs expected, with the translation correction for the edges (Ohser 1983; Illian and
-//! others, "Statistical Analysis and Modelling of Spatial Point Patterns", 2008, section 4.3): of a rectangle
-//! with the sides w and h the mean area common with itself moved by r is wh - 2r(w + h)/π + r²/π, and what is
-//! wrapped loses nothing. Because pairs and expectations are kept, curves of several scenes add up.
+//! others, "Statistical Analysis and Modelling of Spatial Point Patterns", 2008, section 4.3): a rectangle
+//! with the sides w and h and its copy moved by r overlap in an area of wh - 2r(w + h)/π + r²/π on average
+//! over all directions; along axes that wrap there is no loss. Because pairs and expectations are kept,
+//! curves of several scenes add up.
 
 use super::{Layout, wrapped};
 use crate::element::CategoryId;
@@ -45,8 +46,8 @@ pub struct CorrelationCurve {
 pub struct Difference {
     /// Root mean square of the differences of g, weighted by their precision.
     pub rms: f64,
-    /// The same as it would be on average if both were independent samples of one process, from the
-    /// numbers of pairs alone. A scene made from the exemplar may well come closer.
+    /// The expected difference of two independent samples of one process, from the numbers of pairs alone. A
+    /// scene made from the exemplar may have a smaller difference.
     pub noise: f64,
 }
 

@@ -235,7 +235,7 @@ mod tests {
         assert!(groups.shortest.is_some_and(|d| (d - 120.0).abs() < 1e-6));
         // Copies are further apart than a window is wide.
         assert_eq!(groups.windows, 0.0);
-        // Nearer, a window holds much of both.
+        // If they are nearer, a window holds much of both.
         twice.centres[60..].iter_mut().for_each(|c| c.at[0] -= 60.0);
         twice.centres.retain(|c| c.at[0] < 60.0 || c.at[0] >= 60.0);
         let near: Vec<Centre> =

@@ -4,8 +4,8 @@
 //! They work on plain data, so an exemplar and any scene are measured in the same way. On a canvas that
 //! tiles, an instance stands for all its copies.
 //!
-//! When this works badly: [`PairCorrelations`] assumes that the canvas is evenly filled, so it is not
-//! meaningful for scenes in a domain, with a map of densities or of several libraries.
+//! Works badly for scenes in a domain, with a map of densities or of several libraries: [`PairCorrelations`]
+//! assumes that the canvas is evenly filled.
 
 mod correlation;
 mod cycle;
@@ -120,10 +120,10 @@ pub fn neighbour_distance(library: &Library) -> f64 {
     pixels.max(1.0) / library.pixels_per_unit()
 }
 
-/// A coordinate brought into `0..period`, if there is one.
+/// A coordinate wrapped into `0..period`, if there is a period.
 fn wrapped(v: f64, period: Option<f64>) -> f64 {
     match period {
-        // The rest of a tiny negative number is the period itself.
+        // The remainder of a tiny negative number is rounded to the period.
         Some(p) => Some(v - p * libm::floor(v / p)).filter(|r| *r < p).unwrap_or(0.0),
         None => v,
     }

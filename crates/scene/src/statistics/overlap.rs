@@ -32,8 +32,8 @@ pub(super) struct Stamp<'a> {
 }
 
 impl Overlap {
-    /// Measures the primaries of a scene made from `libraries`. Textons that no library holds, as after a
-    /// mix-up of files, are ignored.
+    /// Measures the primaries of a scene made from `libraries`. Textons that are missing in their library, as
+    /// after a mix-up of files, are ignored.
     pub fn of_scene(scene: &Scene, libraries: &[Library]) -> Self {
         let masks: Vec<Vec<Mask>> = libraries.iter().map(silhouettes).collect();
         let fused: Vec<Option<Mask>> =
@@ -131,7 +131,7 @@ impl CanvasBounds {
                 self.push(s.y, s.x0, s.x1, &mut found);
             }
         }
-        // Each pixel once, also where a shape meets itself around a small torus.
+        // Each pixel counts once, even if a shape overlaps itself around a small torus.
         Mask::from_spans(found).spans().to_vec()
     }
 
@@ -207,7 +207,7 @@ mod tests {
         // 16 of 116 px; the small one, on top, hides a sixth of the large one.
         let one = of(&[at(&large, 20.0, 60.0), at(&small, 22.0, 62.0)]);
         assert!((one.hidden - 16.0 / 116.0).abs() < 1e-12 && one.buried == 0.0, "{one:?}");
-        // In the other order all of the small one is hidden, across the border of two bands too.
+        // In the other order all of the small one is hidden, even across the border of two bands.
         let two = of(&[at(&small, 22.0, 62.0), at(&large, 20.0, 60.0)]);
         assert!((two.hidden - 16.0 / 116.0).abs() < 1e-12 && two.buried == 0.5, "{two:?}");
         // Pixels off the canvas do not count: 50 px of each are on it, those of the lower ones are all

@@ -34,7 +34,7 @@ pub struct CopyDistances {
     pub shortest_neighbours: f64,
     /// Median distance to the nearest copy of those that have one, in pixels.
     pub median: f64,
-    /// The same, in mean distances between neighbours in the exemplar.
+    /// Median distance to the nearest copy, in mean distances between neighbours in the exemplar.
     pub median_neighbours: f64,
 }
 
@@ -113,7 +113,7 @@ fn nearest(places: &[[f64; 2]], period: [Option<f64>; 2]) -> Vec<f64> {
             dx * dx < best
         };
         let (before, after) = images.split_at(middle + i);
-        // `all` stops at the first that cannot be nearer.
+        // `all` stops at the first place that cannot be nearer.
         before.iter().rev().all(&mut look);
         after.iter().all(&mut look);
         libm::sqrt(best)
@@ -157,7 +157,7 @@ mod tests {
         assert_eq!((copies.median, copies.median_neighbours), (5.0, 2.5));
         assert_eq!(r.near, 0.0);
         assert_eq!(Repetition::new(&layout(plane, &centres), 7, &[3.0, 1.0]).near, 0.4);
-        // No primary occurs twice.
+        // A scene in which no primary occurs twice.
         assert_eq!(Repetition::new(&layout(plane, &centres[2..]), 7, &[1.0, 1.0]).copies, None);
     }
 

@@ -4,9 +4,9 @@
 //! if one is found ([`locate`]), and [rten](https://github.com/robertknight/rten), which is part of
 //! this crate. Their results agree to about five digits, not bitwise.
 //!
-//! What can go wrong becomes an error. ONNX Runtime is located here and loaded by its path, because `ort`
-//! panics if it searches itself. Files are checked before rten reads them, because it does not return from
-//! some damaged ones. A panic within an engine is caught.
+//! Faults of engines become errors. ONNX Runtime is located here and loaded by its path, because `ort` panics
+//! if its own search fails. Files are checked before rten reads them, because rten hangs on some damaged
+//! ones. Panics within an engine are caught.
 
 mod locate;
 mod onnxruntime;
@@ -251,7 +251,7 @@ fn guarded<T>(name: &str, work: impl FnOnce() -> Result<T>) -> Result<T> {
 }
 
 /// Indices in `ports` of the given inputs. Checks that each tensor has as many elements as its shape.
-fn given(name: &str, ports: &[Port], inputs: &[(&str, &Tensor)]) -> Result<Vec<usize>> {
+fn input_indices(name: &str, ports: &[Port], inputs: &[(&str, &Tensor)]) -> Result<Vec<usize>> {
     if let Some((input, _)) = inputs.iter().find(|(_, tensor)| !tensor.is_whole()) {
         return Err(Error::Network {
             name: name.to_owned(),

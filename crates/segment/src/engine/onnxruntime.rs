@@ -4,7 +4,7 @@
 //! it determines how matrix products are split, hence the order of summation and the last digits. The
 //! library's telemetry is switched off. A process can load only one library.
 
-use super::{Engine, NetworkSource, Port, Tensor, Values, given, guarded, places};
+use super::{Engine, NetworkSource, Port, Tensor, Values, guarded, input_indices, places};
 use ort::environment::Environment;
 use ort::logging::LoggerFunction;
 use ort::session::{Session, SessionInputValue};
@@ -177,15 +177,15 @@ impl Engine for OnnxRuntimeNetwork {
     }
 
     fn run(&self, inputs: &[(&str, &Tensor)], outputs: &[&str]) -> Result<Vec<Tensor>> {
-        let given = given(&self.name, &self.inputs, inputs)?;
-        let given = given.into_iter().zip(inputs).map(|(place, (name, tensor))| {
+        let indices = input_indices(&self.name, &self.inputs, inputs)?;
+        let arguments = indices.into_iter().zip(inputs).map(|(place, (name, tensor))| {
             Ok((Cow::from((*name).to_owned()), self.converted(place, tensor)?))
         });
-        let given: Vec<(Cow<'_, str>, SessionInputValue<'_>)> = given.collect::<Result<_>>()?;
+        let arguments: Vec<(Cow<'_, str>, SessionInputValue<'_>)> = arguments.collect::<Result<_>>()?;
         places(&self.name, &self.outputs, outputs)?;
         guarded(&self.name, || {
             let mut session = self.session.lock().unwrap_or_else(PoisonError::into_inner);
-            let results = session.run(given);
+            let results = session.run(arguments);
             let results = results.map_err(|e| self.failure(format!("ONNX Runtime cannot run it: {e}")))?;
             let take = |wanted: &&str| {
                 let value =

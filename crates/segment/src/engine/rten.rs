@@ -2,9 +2,10 @@
 //!
 //! rten has its own thread pool: by default one thread per physical core, or as many as the variable
 //! `RTEN_NUM_THREADS` or [`EngineOptions::threads`](super::EngineOptions::threads) requests. Loading always
-//! takes the default threads, which a process forked later does not have: there, networks are refused.
+//! uses the default threads. They do not exist in a process that is forked later, so networks are refused
+//! there.
 
-use super::{Engine, NetworkSource, Port, Tensor, Values, given, guarded, places, structure};
+use super::{Engine, NetworkSource, Port, Tensor, Values, guarded, input_indices, places, structure};
 use ::rten::{DataType, Dimension, Model, NodeId, RunOptions, ThreadPool, Value, ValueOrView, ValueType};
 use rten_tensor::prelude::*;
 use std::fs::File;
@@ -78,17 +79,17 @@ impl Engine for RtenNetwork {
     }
 
     fn run(&self, inputs: &[(&str, &Tensor)], outputs: &[&str]) -> Result<Vec<Tensor>> {
-        let given = given(&self.name, &self.inputs, inputs)?;
-        let given = given.into_iter().zip(inputs).map(|(place, (_, tensor))| {
+        let indices = input_indices(&self.name, &self.inputs, inputs)?;
+        let arguments = indices.into_iter().zip(inputs).map(|(place, (_, tensor))| {
             let id = self.model.input_ids()[place];
             Ok((id, ValueOrView::from(self.converted(id, tensor)?)))
         });
-        let given: Vec<(NodeId, ValueOrView<'_>)> = given.collect::<Result<_>>()?;
+        let arguments: Vec<(NodeId, ValueOrView<'_>)> = arguments.collect::<Result<_>>()?;
         let wanted = places(&self.name, &self.outputs, outputs)?;
         let wanted: Vec<NodeId> = wanted.into_iter().map(|place| self.model.output_ids()[place]).collect();
         guarded(&self.name, || {
             let options = RunOptions::default().with_thread_pool(self.pool.clone());
-            let values = self.model.run(given, &wanted, Some(options));
+            let values = self.model.run(arguments, &wanted, Some(options));
             let values = values.map_err(|e| self.failure(format!("rten cannot run it: {e}")))?;
             values.into_iter().map(|value| self.taken(value)).collect()
         })
@@ -130,7 +131,7 @@ fn loaded(source: NetworkSource<'_>, name: &str) -> Result<Model> {
                 };
                 let (file, length) = open().map_err(|e| Error::read(path, e))?;
                 let values = structure::check(file, length).map_err(failure)?;
-                // By path only for `.onnx` files, so that weights in a second file are found.
+                // Files named `.onnx` are loaded by path, so that weights in a second file are found.
                 let model = if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("onnx")) {
                     Model::load_file(path)
                 } else {
@@ -155,8 +156,8 @@ fn loaded(source: NetworkSource<'_>, name: &str) -> Result<Model> {
 /// 300 million.
 const MOST_ELEMENTS: u128 = 1 << 32;
 
-/// Why a value of a network does not fit in memory, as far as its shape follows from those of the inputs. The
-/// process would end where it is computed.
+/// The fault of a network of which a value is too large for memory; computing that value would end the
+/// process. Only values whose shapes follow from those of the inputs are checked.
 fn too_large(model: &Model, value: &str) -> Option<String> {
     let shape = model.node_info(model.find_node(value)?)?.shape()?;
     let axes = shape.iter().map(|axis| match axis {
@@ -168,8 +169,8 @@ fn too_large(model: &Model, value: &str) -> Option<String> {
         .then(|| format!("'{}' would have {elements} elements, {MOST_ELEMENTS} are the most", clip(value)))
 }
 
-/// Refuses to load in a process that was forked after its parent had loaded networks: rten's threads, which
-/// loading needs, are not there, and it would wait for them forever.
+/// Refuses to load in a process that was forked after its parent had loaded networks. Loading needs rten's
+/// threads, which do not exist there, and would wait for them forever.
 ///
 /// # Errors
 /// [`Error::Network`].

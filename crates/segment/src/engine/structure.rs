@@ -115,8 +115,8 @@ impl<R: BufRead + Seek> Walk<R> {
                             self.values.push(String::from_utf8_lossy(&name).into_owned());
                             continue;
                         }
-                        // 64-bit integers, if the tensor holds integers; floats have such bits only by
-                        // chance.
+                        // 64-bit integers, if the tensor holds integers. Floats are read like integers, but
+                        // hardly ever have the bits of a length.
                         (Message::Tensor, 9) if length <= 8 * MOST_LENGTHS && length.is_multiple_of(8) => {
                             raw = self.bytes(length, end)?;
                             continue;

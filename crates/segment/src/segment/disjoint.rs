@@ -16,8 +16,8 @@ pub(super) fn by_worth(offers: &[ScoredMask]) -> Vec<usize> {
     order.into_iter().map(|(_, k)| k).collect()
 }
 
-/// Disjoint masks, chosen greedily in order of worth. Each is the remaining part of one of `offers`, in one
-/// piece.
+/// Disjoint masks, chosen greedily in order of worth. Each is what earlier masks leave of one of `offers`, in
+/// one piece.
 pub(super) fn disjoint(offers: &[ScoredMask], width: u32, height: u32) -> Vec<ScoredMask> {
     let mut taken = LabelMap::filled(width, height, 0);
     let mut found = Vec::new();

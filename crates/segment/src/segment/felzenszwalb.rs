@@ -69,9 +69,9 @@ fn felzenszwalb(image: &Smoothed, scale: f64, minimum: u32) -> LabelMap {
     LabelMap { width: w as u32, height: h as u32, labels }
 }
 
-/// Segments the interior of a mask, of an image smoothed by half a [`gaussian`] kernel, into 4-connected regions that tile it, in the order of their first
-/// pixel. A region can be smaller than `minimum` pixels only if it is a whole connected component of
-/// the mask. Parts of the mask outside the image are ignored.
+/// Segments the interior of a mask into 4-connected regions that tile it, in the order of their first pixel.
+/// The image is smoothed by half a [`gaussian`] kernel. A region can be smaller than `minimum` pixels only if
+/// it is a whole connected component of the mask. Parts of the mask outside the image are ignored.
 pub fn details(image: &RgbImage, half: &[f32], mask: &Mask, scale: f64, minimum: u32) -> Vec<Mask> {
     let (w, h) = (image.width() as i32, image.height() as i32);
     let inside = |s: &&Span| s.y >= 0 && s.y < h && s.x1 > 0 && s.x0 < w;

@@ -289,7 +289,7 @@ fn write_png(document: &MasksDocument) -> std::result::Result<Vec<u8>, String> {
     } else {
         labels.iter().map(|&l| l as u8).collect()
     };
-    // Identifies the file as vtex's own, until an editor rewrites it.
+    // Marks the file as written by vtex; editors do not keep this chunk.
     encoder.add_text_chunk("Software".into(), vtex_base::PROGRAM.into()).map_err(|e| e.to_string())?;
     let write = |encoder: png::Encoder<'_, _>| {
         let mut writer = encoder.write_header()?;

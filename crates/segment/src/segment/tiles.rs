@@ -10,11 +10,11 @@ use vtex_base::raster::{Filter, Mask, Span, resized};
 
 /// Largest side of a square that is segmented at once, in pixels.
 const LARGEST: u32 = 2200;
-/// Overlap of tiles, in pixels. What is longer is sought at half the size.
+/// Overlap of tiles, in pixels. Longer elements are searched in the image at half its size.
 const OVERLAP: u32 = 192;
 
-/// The masks of an image of any size, given a method for images of up to [`LARGEST`]² pixels. Those of larger
-/// images are disjoint, and borders of elements longer than [`OVERLAP`] are known to two pixels.
+/// The masks of an image of any size, given a method for images of up to [`LARGEST`]² pixels. Masks of larger
+/// images are disjoint; borders of elements longer than [`OVERLAP`] are exact to two pixels.
 ///
 /// # Errors
 /// Those of the method.

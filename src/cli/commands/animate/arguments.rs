@@ -3,7 +3,7 @@
 use crate::cli::failure::Failure;
 use crate::cli::input::Input;
 use crate::cli::number::Takes;
-use crate::cli::options::files::{ForceArgs, apart, outputs};
+use crate::cli::options::files::{ForceArgs, check_distinct, outputs};
 use crate::cli::options::frames::{FRAMES, FrameFormat, Played, formats, played};
 use crate::cli::options::render::RenderFlags;
 use crate::cli::options::svg::SvgFlags;
@@ -104,7 +104,7 @@ pub(crate) struct AnimateArgs {
     pub(crate) svg: SvgFlags,
 }
 
-/// A flow, or the file that says it.
+/// A flow, or the file of its directions.
 #[derive(Clone, Debug)]
 pub(crate) enum FlowFrom {
     Known(Flow),
@@ -139,13 +139,13 @@ fn where_it_turns(text: OsString) -> MorphFrom {
 }
 
 impl AnimateArgs {
-    /// What is played: at least one.
+    /// The outputs of an animation, at least one.
     pub(super) fn played(self, otherwise: &str) -> Result<Vec<Played>, Failure> {
         if self.output.is_empty() {
             return Err(Failure::usage("nothing says where the animation goes")
                 .hint("give -o animation.svg, .gif or .png, or a folder for frames"));
         }
-        apart(&outputs(&self.output))?;
+        check_distinct(&outputs(&self.output))?;
         let one = |path| played(path, self.format, self.force.force, otherwise);
         self.output.into_iter().map(one).collect()
     }

@@ -25,7 +25,7 @@ use vtex::scene::Scene;
 
 const MAKES: Makes = Makes { allowed: format::OF_SCENE, usual: Format::Svg, word: "between" };
 
-/// The two scenes, and the outputs asked for.
+/// The two scenes and the requested outputs.
 pub(super) struct Between {
     from: Input,
     to: Input,
@@ -35,30 +35,30 @@ pub(super) struct Between {
 
 /// The result wanted from two scenes.
 enum Wanted {
-    /// The scene so far along the way.
+    /// The scene at a share of the way.
     At(f64, Targets),
-    /// One scene, whose share of the way differs from place to place.
+    /// One scene that is at different shares of the way at different places.
     Morph(MorphFrom, Targets),
     /// Animations, at least one.
     Played(Vec<Played>, Pace),
 }
 
-/// How many frames there are and how they are played.
+/// Number and playback of frames.
 #[derive(Clone, Copy)]
 struct Pace {
-    /// From the first scene to the second, both included.
+    /// Number of frames from the first scene to the second, both included.
     frames: u32,
     rate: f64,
     back: bool,
 }
 
 impl Pace {
-    /// Frames that are played, those on the way back included; the first comes once.
+    /// Number of frames played, including those on the way back. The first frame is played once.
     fn played(&self) -> u32 {
         if self.back { 2 * self.frames - 2 } else { self.frames }
     }
 
-    /// How far along the way frame `k` of those played is.
+    /// Share of the way of the `k`-th frame played.
     fn share(&self, k: u32) -> f64 {
         let last = self.frames - 1;
         f64::from(if k > last { 2 * last - k } else { k }) / f64::from(last)
@@ -66,7 +66,7 @@ impl Pace {
 }
 
 impl Between {
-    /// Checks what was asked for.
+    /// Checks the options.
     pub(super) fn new(
         mut a: AnimateArgs,
         from: Input,
@@ -117,7 +117,7 @@ pub(super) fn run(common: &Common, reporter: &Reporter, job: &Between) -> anyhow
             let opaque = |scene: &Scene| scene.domain.is_none();
             let opaque =
                 drawing.render.background != Some(BackgroundChoice::None) && opaque(&from) && opaque(&to);
-            // As long as the way is in pictures, back not included.
+            // Duration of the way in one direction.
             let seconds = f64::from(pace.frames) / pace.rate;
             let animation = Animation { seconds, back: pace.back, precision: drawing.svg.precision };
             let written =
@@ -127,7 +127,7 @@ pub(super) fn run(common: &Common, reporter: &Reporter, job: &Between) -> anyhow
                 size: drawing.size_of(&from, first.format()),
                 ..Summary::new("animate", names, first.path(), written, reporter)
             };
-            return summary.tell(common, false);
+            return summary.print(common, false);
         }
     };
     if let Some(warning) = drawing.render.warning(targets.has(Format::Png)) {
@@ -140,10 +140,10 @@ pub(super) fn run(common: &Common, reporter: &Reporter, job: &Between) -> anyhow
         counts: Some(ElementCounts::of_scene(&scene)),
         ..Summary::new("animate", names, targets.path(), written, reporter)
     };
-    summary.tell(common, targets.piped())
+    summary.print(common, targets.piped())
 }
 
-/// Where a scene turns into another, with the map that says so.
+/// Where a scene turns into another, with the content of the map.
 fn read(place: &MorphFrom) -> anyhow::Result<Morph> {
     Ok(match place {
         MorphFrom::Axis(axis) => Morph::Axis(*axis),

@@ -17,13 +17,13 @@ use vtex::flow::{Flow, FlowParams, Flowing};
 use vtex::output::raster_animation::RasterAnimation;
 use vtex::{Progress, control};
 
-/// A scene, and how it moves and is written.
+/// A scene, its flow, and the outputs.
 pub(super) struct Flowed {
     scene: Input,
     flow: FlowFrom,
     params: FlowParams,
     animation: RasterAnimation,
-    /// At least one.
+    /// The outputs, at least one.
     wanted: Vec<Played>,
     drawing: DrawingOptions<'static>,
 }
@@ -77,5 +77,5 @@ pub(super) fn run(common: &Common, reporter: &Reporter, job: &Flowed) -> anyhow:
         size: drawing.size_of(&scene, first.format()),
         ..Summary::new("animate", vec![job.scene.name()], first.path(), written, reporter)
     };
-    summary.tell(common, false)
+    summary.print(common, false)
 }

@@ -1,4 +1,4 @@
-//! The list of jobs: files, folders or a file of jobs, each with its name and parameters.
+//! The list of jobs, from files, folders or a file of jobs; each has a name and parameters.
 
 use super::values::Extension;
 use crate::cli::config::{CommandLineValues, ConfigLayer, Parameters, fault};
@@ -64,8 +64,7 @@ struct JobEntry {
 impl JobSource {
     /// The inputs that the arguments name.
     ///
-    /// # Errors
-    /// A file of jobs that cannot be read, or stands beside other inputs.
+    /// # Errors A file of jobs that cannot be read, or that is given together with other inputs.
     pub(crate) fn new(inputs: &[PathBuf]) -> anyhow::Result<Self> {
         let is_jobs = |path: &&PathBuf| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
         match (inputs, inputs.iter().find(is_jobs)) {
@@ -148,7 +147,7 @@ impl JobEntry {
     }
 }
 
-/// Refuses a name that would lead out of the folder for results.
+/// Refuses a name that leads out of the folder for results.
 fn check_name(name: &str, place: &str) -> Result<(), Failure> {
     let plain = !name.is_empty()
         && !name.starts_with('.')
@@ -242,14 +241,14 @@ fn expanded(paths: Vec<PathBuf>) -> anyhow::Result<Vec<PathBuf>> {
     Ok(all)
 }
 
-/// Whether an SVG was written by vtex: textures of an earlier run are not exemplars of the next.
+/// Whether an SVG was written by vtex. Textures of an earlier run are not used as exemplars.
 fn is_result(path: &Path) -> bool {
     let mut head = Vec::new();
     let read = std::fs::File::open(path).and_then(|file| file.take(HEAD).read_to_end(&mut head));
     read.is_ok() && String::from_utf8_lossy(&head).contains("<!-- Written by vtex ")
 }
 
-/// Refuses that two jobs write the same file.
+/// Fails if two jobs would write the same file.
 fn differ(jobs: &[BatchJob]) -> Result<(), Failure> {
     let mut seen: BTreeMap<String, &Path> = BTreeMap::new();
     for job in jobs {

@@ -4,8 +4,8 @@ mod arguments;
 mod jobs;
 mod plan;
 mod record;
+mod reporting;
 mod run;
-mod tell;
 mod values;
 
 pub(crate) use arguments::BatchArgs;

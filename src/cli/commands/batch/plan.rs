@@ -31,8 +31,7 @@ pub(crate) struct Batch {
 impl Batch {
     /// Checks the whole batch before any work starts.
     ///
-    /// # Errors
-    /// Usage errors, and what cannot be read of folders.
+    /// # Errors Usage errors, and errors of reading folders.
     pub(crate) fn new(arguments: BatchArgs, resolved: &Resolved) -> anyhow::Result<Self> {
         let Resolved { parameters, seed, config, values, .. } = resolved;
         let Some(source) = arguments.source else {
@@ -46,15 +45,15 @@ impl Batch {
             masks_from(None, segmenter, sam.clone())
         })?;
         let steering = Steering::new(arguments.control, Vec::new());
-        apart(&jobs, &steering, &out_dir)?;
+        check_distinct(&jobs, &steering, &out_dir)?;
         let engine = engine(arguments.engine, parameters.threads);
         let (shard, force) = (arguments.shard.unwrap_or(Shard::WHOLE), arguments.force);
         Ok(Self { jobs, out_dir, shard, force, engine, steering, seed: *seed })
     }
 }
 
-/// Refuses that a file is read and written, and that standard input is read for every job.
-fn apart(jobs: &[BatchJob], steering: &Steering, out_dir: &Path) -> Result<(), Failure> {
+/// Fails if a file would be read and written, or standard input read by every job.
+fn check_distinct(jobs: &[BatchJob], steering: &Steering, out_dir: &Path) -> Result<(), Failure> {
     let folder = plain(out_dir);
     let results: BTreeSet<PathBuf> =
         jobs.iter().flat_map(BatchJob::files).map(|file| folder.join(file)).collect();

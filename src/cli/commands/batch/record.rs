@@ -20,7 +20,7 @@ use vtex::{Error, Result};
 #[serde(rename_all = "lowercase")]
 pub(crate) enum Status {
     Done,
-    /// Done in an earlier run from the same inputs.
+    /// The job was done in an earlier run from the same inputs.
     Skipped,
     Failed,
 }
@@ -89,7 +89,7 @@ pub(crate) struct Records {
     path: PathBuf,
     /// The records of jobs that were done, by job and key; several where one was done again.
     done: BTreeMap<String, Vec<Record>>,
-    /// The jobs and keys during which the program died, if nothing newer is recorded of them.
+    /// The jobs, with their keys, during which the program died and for which there is no newer record.
     died: BTreeSet<String>,
 }
 
@@ -204,7 +204,7 @@ impl Records {
         known.iter().find(|record| wanted(record) && record.outputs.iter().all(is_there))
     }
 
-    /// Adds a line, at once and whole.
+    /// Adds a line in one write.
     ///
     /// # Errors
     /// [`Error::Write`].
@@ -213,7 +213,7 @@ impl Records {
         let mut file = File::options().create(true).read(true).append(true).open(&self.path).map_err(fail)?;
         let mut line = serde_json::to_vec(record).map_err(|e| fail(e.into()))?;
         line.push(b'\n');
-        // A line that was cut off is ended first.
+        // Ends a line that was cut off.
         let mut last = [b'\n'];
         if file.seek(SeekFrom::End(0)).map_err(fail)? > 0 {
             file.seek(SeekFrom::End(-1)).map_err(fail)?;
@@ -282,7 +282,7 @@ mod tests {
         let shard = "2/3".parse().unwrap();
         let written = RecordedFile::of(folder.path(), "a.svg").unwrap();
         Records::open(folder.path(), shard).unwrap().add(&record("a", "k", vec![written])).unwrap();
-        // Also another shard knows it.
+        // Another shard finds it too.
         let known = |key: &str, files: &[&str]| {
             let files: Vec<String> = files.iter().map(|f| (*f).to_owned()).collect();
             Records::open(folder.path(), Shard::WHOLE).unwrap().done("a", key, &files).is_some()
@@ -303,7 +303,7 @@ mod tests {
         assert!(!open().died("a", "k"), "the process lives");
         drop(running);
         assert!(!open().died("a", "k") && markers(folder.path()).unwrap().is_empty());
-        // As a process leaves it that dies: nobody has locked it.
+        // A marker without a lock, as a dead process leaves it.
         let line = serde_json::to_vec(&Record { status: Status::Failed, died: true, ..job.clone() }).unwrap();
         fs::write(folder.path().join(".batch-0aB9zZ.running"), line).unwrap();
         assert!(open().died("a", "k") && markers(folder.path()).unwrap().is_empty());

@@ -3,7 +3,7 @@
 use super::jobs::BatchJob;
 use super::plan::Batch;
 use super::record::{Record, RecordedFile, Records, Status, key, sum};
-use super::tell::{Total, tell, thousandths};
+use super::reporting::{Total, print_record, thousandths};
 use super::values::Extension;
 use crate::cli::analysis::{Analysis, analyze, finds_masks};
 use crate::cli::common::Common;
@@ -34,7 +34,7 @@ use vtex::scene::{Scene, SynthParams};
 use vtex::synth::{SynthReport, synthesize_with};
 use vtex::{Error, Progress};
 
-/// Everything that results depend on besides the program's version.
+/// Everything that results depend on, except the program's version.
 #[derive(Serialize)]
 struct ResultInputs<'a> {
     program: &'static str,
@@ -80,7 +80,7 @@ struct ResolvedJob<'a> {
     synth: SynthParams,
 }
 
-/// A texture that is made but not written.
+/// A texture that is not written yet.
 struct UnwrittenTexture {
     /// The library made from a photograph, or the input library.
     library: Library,
@@ -99,7 +99,7 @@ pub(super) fn run(common: &Common, batch: &Batch) -> anyhow::Result<()> {
     let began = Instant::now();
     let mut reported = Vec::new();
     for (i, job) in mine.iter().enumerate() {
-        if interrupt::asked() {
+        if interrupt::is_requested() {
             break;
         }
         if !common.quiet && !common.json {
@@ -109,7 +109,7 @@ pub(super) fn run(common: &Common, batch: &Batch) -> anyhow::Result<()> {
         if record.status != Status::Skipped {
             records.add(&record)?;
         }
-        tell(common, &record)?;
+        print_record(common, &record)?;
         reported.push(record);
     }
     let count = |status| reported.iter().filter(|r: &&Record| r.status == status).count();
@@ -123,11 +123,11 @@ pub(super) fn run(common: &Common, batch: &Batch) -> anyhow::Result<()> {
         failed: count(Status::Failed),
         seconds: thousandths(began.elapsed().as_secs_f64()),
     };
-    total.tell(common, &reported)?;
+    total.print(common, &reported)?;
     interrupt::check()?;
     if total.failed > 0 {
         let failure = Failure::failed(format!("{} of {} jobs failed", total.failed, total.jobs));
-        return Err(failure.hint("run the same again to do these only").told().into());
+        return Err(failure.hint("run the same again to do these only").reported_already().into());
     }
     Ok(())
 }
@@ -227,7 +227,7 @@ impl<'a> ResolvedJob<'a> {
             Ok(made)
         });
         record.warnings = reporter.finish().1;
-        // Work also stops if a picture of a stage cannot be written; then that is the reason.
+        // Work also stops if a picture of a stage cannot be written; that error is then the reason.
         let made = match reporter.failure() {
             Some(reason) => return Err(reason.into()),
             None => outcome?,
@@ -241,8 +241,8 @@ impl<'a> ResolvedJob<'a> {
         Ok(())
     }
 
-    /// The checksum of everything that results depend on; a seed that was not given does not count, because
-    /// every run has another.
+    /// The checksum of everything that results depend on, except a seed that was not given, because it
+    /// differs in every run.
     fn key(&self, input: &[u8], is_library: bool) -> anyhow::Result<String> {
         let given = self.job.parameters.seed.is_some();
         let seed = |seed: u64| if given { seed } else { 0 };
@@ -286,7 +286,7 @@ impl<'a> ResolvedJob<'a> {
                 engine: self.batch.engine.clone(),
                 save_masks: None,
                 parameters: self.analyze.clone(),
-                wrap: self.job.parameters.wrap.given(),
+                wrap: self.job.parameters.wrap.choice(),
                 looks_at_borders: true,
             };
             let library = analyze(&self.common, &analysis, reporter)?;

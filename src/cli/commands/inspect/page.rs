@@ -82,7 +82,7 @@ pub(super) fn run(
             reporter,
         )
     };
-    summary.tell(common, page.place == Destination::Stdout)
+    summary.print(common, page.place == Destination::Stdout)
 }
 
 /// Libraries, and the scene if there is one.
@@ -109,7 +109,7 @@ fn read(inputs: &[Input]) -> anyhow::Result<Contents> {
     Ok((libraries, scene))
 }
 
-/// The files given as photographs, and those beside the inputs that have the name of one.
+/// The files given as photographs, and files beside the inputs that have the name of an exemplar.
 fn photos(
     inputs: &[Input],
     given: &[Input],
@@ -129,7 +129,7 @@ fn photos(
     let mut folders: Vec<&Path> = folders.collect();
     folders.dedup();
     for exemplar in report::exemplars(libraries, scene) {
-        // Only the file name counts, so that a library cannot name other folders.
+        // Only the file name is used, so that a library cannot refer to other folders.
         let Some(name) = Path::new(&exemplar.exemplar).file_name() else { continue };
         for path in folders.iter().map(|folder| folder.join(name)).filter(|path| path.is_file()) {
             // The user did not name this file, so it is skipped if it cannot be read.

@@ -6,7 +6,7 @@ use crate::cli::failure::label;
 use crate::cli::foreign::escaped;
 use crate::cli::input::{Input, InputKind};
 use crate::cli::output;
-use crate::cli::summary::{ElementCounts, bytes as show_bytes, measured, regular};
+use crate::cli::summary::{ElementCounts, bytes as show_bytes, lattice_measures, lattice_text};
 use anstyle::{AnsiColor, RgbColor, Style};
 use serde::Serialize;
 use vtex::library::{AnalyzeParams, Lattice, Library};
@@ -292,8 +292,8 @@ impl Inspection {
             _ => {}
         }
         if let Some(lattice) = &self.lattice {
-            line("regular", regular(lattice));
-            line("", measured(lattice));
+            line("regular", lattice_text(lattice));
+            line("", lattice_measures(lattice));
         }
         let layers: Vec<&str> = self.layers.iter().map(|layer| layer.name.as_str()).collect();
         line("layers", layers.join(", "));
@@ -360,8 +360,8 @@ impl Inspection {
     }
 }
 
-/// Rows of cells in columns: titles bold, the first column to the left, all others to the right.
-/// If there are colours, each row after the first has a patch of its own before the second column.
+/// A table: titles are bold, the first column is aligned to the left, all others to the right. With colours,
+/// each row after the first has a patch of its colour before the second column.
 fn table(rows: &[Vec<String>], swatches: &[Colour], text: &mut String) {
     let bold = Style::new().bold();
     let width = |k: usize| rows.iter().filter_map(|r| r.get(k)).map(|c| c.chars().count()).max().unwrap_or(0);

@@ -6,7 +6,7 @@ use crate::cli::input::Input;
 use crate::cli::layer_maps::{MapFormat, MapTarget};
 use crate::cli::number::Takes;
 use crate::cli::options::common;
-use crate::cli::options::files::{ForceArgs, apart, check_files};
+use crate::cli::options::files::{ForceArgs, check_distinct, check_files};
 use crate::cli::output::Destination;
 use crate::cli::values::{Axes, Size, named};
 use clap::Args;
@@ -171,7 +171,7 @@ impl Mapping {
         read.push(("the input", &input));
         let written = [("-o", a.output.as_deref()), ("--save-layers", a.save_layers.as_deref())];
         check_files(&read, &written)?;
-        apart(&written)?;
+        check_distinct(&written)?;
 
         let grey = a.continuous || a.heights.is_some();
         let ending = if a.heights.is_some() { "terrain" } else { "layers" };
@@ -207,7 +207,7 @@ impl Mapping {
     }
 }
 
-/// The place of a map: the given one; else stdout if the input is stdin; else a file named after the input.
+/// The place of a map: the given one, else stdout if the input is stdin, else a file named after the input.
 fn target(output: Option<PathBuf>, force: bool, input: &Input, ending: &str) -> Result<MapTarget, Failure> {
     let path = match (output, input) {
         (Some(path), _) => path,

@@ -1,4 +1,4 @@
-//! Layers found or read, and the map that is made of them.
+//! Finds or reads layers, and makes a map of them.
 
 use super::arguments::{From, Layered, LayersResult, MapMethod, Mapping};
 use crate::cli::common::Common;
@@ -34,7 +34,7 @@ pub(super) fn run(common: &Common, reporter: &Reporter, job: &Mapping) -> anyhow
         layers: made.layers,
         ..Summary::new("layers", made.inputs, job.target.place.path(), WrittenFile::of(made.bytes), reporter)
     };
-    summary.tell(common, job.target.place == Destination::Stdout)
+    summary.print(common, job.target.place == Destination::Stdout)
 }
 
 /// The written file.
@@ -65,7 +65,7 @@ fn terrain(reporter: &Reporter, job: &Mapping, input: &Input) -> anyhow::Result<
     Ok(LayersSummary { inputs: vec![name], size: made.size(), layers: None, bytes })
 }
 
-/// A photograph, or none of a layer map; and its layers.
+/// Layers, with their photograph if there is one.
 struct LayerInput {
     photograph: Option<RgbImage>,
     map: LayerMap,

@@ -1,6 +1,6 @@
 //! Comparison of a library and a scene made from it: coverage, pair correlation and repetition of elements.
 
-use super::show::{digits, tell};
+use super::show::{digits, print_found};
 use crate::cli::common::Common;
 use crate::cli::failure::Failure;
 use crate::cli::foreign::escaped;
@@ -100,7 +100,7 @@ pub(super) fn run(
         neighbour_distance: unit,
     };
     reporter.finish();
-    tell(common, &found, || found.show())
+    print_found(common, &found, || found.show())
 }
 
 /// Coverage of all primaries, and of each category.

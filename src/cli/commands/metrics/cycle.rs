@@ -1,4 +1,4 @@
-//! A scene: how well its elements are found again in its picture.
+//! Analyses the picture of a scene and compares the elements found with those of the scene.
 
 use crate::cli::analysis::{Analysis, segmenter};
 use crate::cli::common::Common;
@@ -17,7 +17,7 @@ use vtex::scene::{Layer, Role, Scene};
 use vtex::statistics::Cycle;
 use vtex::synth::reconstruct;
 
-/// Counts the elements that analysis of the picture of a scene finds again. `analysis` reads the scene and has the parameters of
+/// Counts the elements that analysis of the picture of a scene finds again. `analysis` has the parameters of
 /// the library.
 pub(super) fn run(
     common: &Common,
@@ -53,14 +53,14 @@ pub(super) fn run(
     if common.json {
         return print_json(&cycle, false);
     }
-    print_styled(&told(&cycle))
+    print_styled(&text(&cycle))
 }
 
-/// The elements of an SVG at its own size, and its picture. Where layers are named as vtex names them, the large
-/// elements alone count.
+/// The elements of an SVG at its own size, and its picture. If layers are named as by vtex, only large
+/// elements count.
 fn of_svg(bytes: &[u8], analysis: &Analysis, reporter: &Reporter) -> anyhow::Result<(Scene, Pixmap)> {
     let name = analysis.input.name();
-    // Parts that import leaves out are drawn nevertheless.
+    // The picture also shows parts that import leaves out.
     let lenient = AnalyzeParams { lenient: true, ..AnalyzeParams::default() };
     let params = ImportParams { analyze: lenient, ..ImportParams::default() };
     let mut scene = reconstruct(&import(bytes, &name, &params, reporter)?);
@@ -80,7 +80,7 @@ fn of_svg(bytes: &[u8], analysis: &Analysis, reporter: &Reporter) -> anyhow::Res
 }
 
 /// The numbers with explanations.
-fn told(cycle: &Cycle) -> String {
+fn text(cycle: &Cycle) -> String {
     let row =
         |name: &str, value: String, meaning: &str| [name.to_owned(), value, meaning.to_owned()].to_vec();
     table(&[

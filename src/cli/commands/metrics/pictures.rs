@@ -1,7 +1,7 @@
 //! Comparison of two pictures; SVGs and scenes are drawn.
 
 use super::content::FileContent;
-use super::show::{digits, tell};
+use super::show::{digits, print_found};
 use crate::cli::common::Common;
 use crate::cli::foreign::escaped;
 use crate::cli::progress::Reporter;
@@ -67,7 +67,7 @@ pub(super) fn run(
         seconds,
         warnings,
     };
-    tell(common, &found, || found.show())
+    print_found(common, &found, || found.show())
 }
 
 /// A picture of a file's content, over white, with one pixel per pixel of the canvas.

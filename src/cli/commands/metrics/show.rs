@@ -5,7 +5,7 @@ use crate::cli::output::{print_json, print_styled};
 use serde::Serialize;
 
 /// Prints JSON, or a text for people.
-pub(super) fn tell(
+pub(super) fn print_found(
     common: &Common,
     found: &impl Serialize,
     text: impl FnOnce() -> String,

@@ -22,7 +22,7 @@ use vtex::transfer::{StylizeParams, stylize};
 
 const MAKES: Makes = Makes { allowed: format::OF_SCENE, usual: Format::Svg, word: "stylized" };
 
-/// A picture, a texture, and how one is redrawn in the other.
+/// A picture, a texture, and the parameters of redrawing.
 pub(super) struct Redrawing {
     picture: Input,
     with: Analysis,
@@ -83,7 +83,7 @@ pub(super) fn run(common: &Common, reporter: &Reporter, job: &Redrawing) -> anyh
         counts: Some(ElementCounts::of_scene(&scene)),
         ..Summary::new("transfer", inputs, targets.path(), written, reporter)
     };
-    summary.tell(common, targets.piped())
+    summary.print(common, targets.piped())
 }
 
 /// An SVG over white, its longer side as many pixels as the canvas has.
@@ -91,7 +91,7 @@ fn drawn(bytes: &[u8], name: &str, side: u32, reporter: &Reporter) -> anyhow::Re
     let page = render_svg(bytes, 1.0, name, reporter)?;
     let scale = f64::from(side) / f64::from(page.width().max(page.height()));
     let page = if scale == 1.0 { page } else { render_svg(bytes, scale, name, reporter)? };
-    // What is transparent is white.
+    // Transparent pixels become white.
     let over_white = |v: u8, alpha: u8| v.saturating_add(255 - alpha);
     Ok(RgbImage::from_fn(page.width(), page.height(), |x, y| {
         let p = page.pixels()[(y * page.width() + x) as usize];

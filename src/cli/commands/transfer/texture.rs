@@ -21,7 +21,7 @@ use vtex::transfer::{TransferParams, TransferReport, transfer};
 
 const MAKES: Makes = Makes { allowed: format::OF_SCENE, usual: Format::Svg, word: "transfer" };
 
-/// Textures, and how they are put together and written.
+/// Textures, the parameters of the transfer, and the outputs.
 pub(super) struct Transferring {
     structure: Analysis,
     appearances: Vec<Analysis>,
@@ -119,5 +119,5 @@ pub(super) fn run(common: &Common, reporter: &Reporter, job: &Transferring) -> a
     if !common.quiet && report.thin > 0 {
         say(&format!("  {} elements are too thin to be drawn anew and keep their shape", report.thin));
     }
-    summary.tell(common, piped)
+    summary.print(common, piped)
 }

@@ -41,8 +41,8 @@ impl<'g> Cover<'g> {
 
     /// Share of the canvas that a mask covers at a place.
     pub(super) fn share(&self, mask: &Mask, at: [i32; 2]) -> f64 {
-        let parts = mask.spans().iter().flat_map(|&span| self.grid.parts(span, at));
-        parts.map(|part| part.canvas.len()).sum::<usize>() as f64 / self.grid.canvas().iter().product::<f64>()
+        let runs = mask.spans().iter().flat_map(|&span| self.grid.runs(span, at));
+        runs.map(|run| run.canvas.len()).sum::<usize>() as f64 / self.grid.canvas().iter().product::<f64>()
     }
 
     /// Shares of the canvas: wanted, wanted but not covered, covered but not wanted.

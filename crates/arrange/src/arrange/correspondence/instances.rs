@@ -110,7 +110,7 @@ impl Kinds {
     }
 
     /// Distance of the colours of two elements.
-    fn apart(&self, a: PlaceableId, b: PlaceableId) -> f32 {
+    fn colour_distance(&self, a: PlaceableId, b: PlaceableId) -> f32 {
         let [a, b] = [a, b].map(|e| self.colours[e.0 as usize]);
         libm::sqrtf(squared_distance(a, b))
     }
@@ -279,7 +279,8 @@ impl PrimaryRuns<'_> {
             }
             let suits = |q: usize| {
                 let other = most[q].1.map(|v| self.model.element_of(v));
-                let apart = other.map(|other| self.kinds.apart(self.model.element_of(variant), other));
+                let apart =
+                    other.map(|other| self.kinds.colour_distance(self.model.element_of(variant), other));
                 area[root] <= ANY_COLOUR || apart.is_some_and(|d| d <= SAME_COLOUR)
             };
             let neighbours = || {

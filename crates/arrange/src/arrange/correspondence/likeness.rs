@@ -1,8 +1,8 @@
 //! Whether a fused element looks like an element of its exemplar.
 //!
 //! A look is a small picture of an element: a square grid of points, the points that the element covers, and
-//! their colours. A flower with two hearts, a torn side or an unknown shape differs from every element of the
-//! exemplar by more than these differ from one another.
+//! their colours. A flower with two hearts, a torn side or an unknown shape differs from every element of
+//! the exemplar by more than the usual difference between its elements.
 
 use crate::arrange::model::{PlaceableId, PlacementModel};
 use vtex_base::parallel;
@@ -17,7 +17,7 @@ const HALF: f64 = 1.35;
 /// Difference of a point that only one of two looks covers, in squared Oklab. Differences of colours are
 /// limited to it.
 const MISSING: f32 = 0.04;
-/// Areas of elements that are compared, as a share of the larger.
+/// Least ratio of the areas of two elements that are compared.
 const AREA: f64 = 0.6;
 /// Number of elements of similar area that each element is compared with.
 const COMPARED: usize = 160;
@@ -45,9 +45,9 @@ impl ElementLook {
         colour: impl Fn([i32; 2]) -> Option<[f32; 3]>,
     ) -> Self {
         let radius = libm::sqrt(area / std::f64::consts::PI);
-        let way = |k: usize| ((k as f64 + 0.5) / SIDE as f64 * 2.0 - 1.0) * HALF * radius;
+        let offset = |k: usize| ((k as f64 + 0.5) / SIDE as f64 * 2.0 - 1.0) * HALF * radius;
         let point = |i: usize| {
-            let [dx, dy] = turned([way(i % SIDE), way(i / SIDE)]);
+            let [dx, dy] = turned([offset(i % SIDE), offset(i / SIDE)]);
             colour([middle[0] + dx, middle[1] + dy].map(|v| libm::floor(v) as i32))
         };
         Self { points: (0..SIDE * SIDE).map(point).collect(), area }
@@ -105,7 +105,7 @@ impl Likeness {
             let middle = libraries[element.library].primaries()[element.index as usize].centroid;
             let colour =
                 |[x, y]: [i32; 2]| (map.at(x.into(), y.into()) == Some(label)).then(|| colours.at([x, y]));
-            Some(ElementLook::new(middle, f64::from(model.plain(id).area), |way| way, colour))
+            Some(ElementLook::new(middle, f64::from(model.plain(id).area), |offset| offset, colour))
         });
         let mut groups: Vec<SimilarElements> =
             kinds.iter().map(|_| SimilarElements { members: Vec::new(), usual: f64::INFINITY }).collect();
@@ -114,7 +114,7 @@ impl Likeness {
         }
         for group in &mut groups {
             group.members.sort_by(|a, b| a.1.area.total_cmp(&b.1.area).then(a.0.cmp(&b.0)));
-            group.learn();
+            group.learn_usual_distance();
         }
         Self { groups, group_of }
     }
@@ -130,21 +130,21 @@ impl Likeness {
 }
 
 impl SimilarElements {
-    /// The member most similar to a look, and its distance; `but` is left out.
-    fn nearest(&self, look: &ElementLook, but: Option<PlaceableId>) -> Option<(PlaceableId, f64)> {
+    /// The member most similar to a look, and its distance; `except` is left out.
+    fn nearest(&self, look: &ElementLook, except: Option<PlaceableId>) -> Option<(PlaceableId, f64)> {
         let bound = |area: f64| self.members.partition_point(|(_, l)| l.area < area);
         let range = bound(AREA * look.area)..bound(look.area / AREA);
         let step = range.len().div_ceil(COMPARED).max(1);
-        let near = self.members[range].iter().step_by(step).filter(|(id, _)| Some(*id) != but);
+        let near = self.members[range].iter().step_by(step).filter(|(id, _)| Some(*id) != except);
         let found = near.map(|(id, other)| (*id, look.distance(other)));
         found.min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)))
     }
 
-    /// Learns how far members are from each other.
-    fn learn(&mut self) {
+    /// Sets the usual distance of similar members.
+    fn learn_usual_distance(&mut self) {
         let step = self.members.len().div_ceil(LEARNED).max(1);
-        let some: Vec<&(PlaceableId, ElementLook)> = self.members.iter().step_by(step).collect();
-        let nearest = parallel::map(&some, |(id, look)| self.nearest(look, Some(*id)).map(|n| n.1));
+        let sample: Vec<&(PlaceableId, ElementLook)> = self.members.iter().step_by(step).collect();
+        let nearest = parallel::map(&sample, |(id, look)| self.nearest(look, Some(*id)).map(|n| n.1));
         let mut distances: Vec<f64> = nearest.into_iter().flatten().collect();
         if distances.len() >= LEAST {
             distances.sort_by(f64::total_cmp);

@@ -36,7 +36,7 @@ use image::{Rgb, RgbImage};
 use instances::Kinds;
 use pages::Pages;
 use resolve::{Resolution, Resolver};
-pub(crate) use secondaries::Arrived;
+pub(crate) use secondaries::CopiedSecondary;
 use serde::Serialize;
 use similar::Substitutes;
 use structure_classes::StructureClasses;
@@ -63,7 +63,7 @@ const MOST_MOVED: f64 = 2.0;
 /// Primaries carried along a correspondence field. Shares are of the canvas.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Structure {
-    /// Islands, each from one place of an exemplar.
+    /// Number of islands.
     pub islands: usize,
     /// Share on which primaries are wanted.
     pub wanted: f64,
@@ -349,7 +349,7 @@ fn stands(grid: &Grid, region: &PlacementRegion<'_>, mask: &Mask, at: [i32; 2], 
     }
     let served = |zone| region.is_carried(zone);
     let canvas =
-        || mask.spans().iter().flat_map(|&s| grid.parts(s, at)).flat_map(|CellRun { canvas, .. }| canvas);
+        || mask.spans().iter().flat_map(|&s| grid.runs(s, at)).flat_map(|CellRun { canvas, .. }| canvas);
     let inside = grid.canvas_cell(middle).and_then(|i| region.zone(i));
     match region.edge {
         Edge::Clip => inside.or_else(|| canvas().find_map(|i| region.zone(i))).is_some_and(served),

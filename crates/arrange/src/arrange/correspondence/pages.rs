@@ -178,7 +178,7 @@ impl PixelMap {
             page
         } else {
             let half = self.size.map(|v| v / 2);
-            let back = variation.back([page[0] - self.middle[0], page[1] - self.middle[1]]);
+            let back = variation.source_pixel([page[0] - self.middle[0], page[1] - self.middle[1]]);
             [back[0] + half[0], back[1] + half[1]]
         };
         if self.wrap {
@@ -199,13 +199,13 @@ impl PixelMap {
         }
         let half = self.size.map(|v| v / 2);
         let place = |at: [i32; 2]| {
-            let there = variation.there([at[0] - half[0], at[1] - half[1]]);
+            let there = variation.mapped_pixel([at[0] - half[0], at[1] - half[1]]);
             [there[0] + self.middle[0], there[1] + self.middle[1]]
         };
         if !self.wrap {
             return place(at);
         }
-        let back = variation.back([near[0] - self.middle[0], near[1] - self.middle[1]]);
+        let back = variation.source_pixel([near[0] - self.middle[0], near[1] - self.middle[1]]);
         place([0, 1].map(|k| nearest_copy(at[k], back[k] + half[k], self.size[k])))
     }
 
@@ -229,7 +229,7 @@ impl PixelMap {
                     copy
                 } else {
                     let half = self.size.map(|v| v / 2);
-                    let there = variation.there([copy[0] - half[0], copy[1] - half[1]]);
+                    let there = variation.mapped_pixel([copy[0] - half[0], copy[1] - half[1]]);
                     [there[0] + self.middle[0], there[1] + self.middle[1]]
                 };
                 if (0..2).all(|k| (0..area[k]).contains(&there[k])) {

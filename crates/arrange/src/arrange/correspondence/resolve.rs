@@ -122,7 +122,7 @@ impl<'a> Resolver<'a> {
             return Resolution::Whole(vec![(main.variant, at)]);
         }
         if !instance.cut
-            && let Some((variant, at)) = self.like(instance)
+            && let Some((variant, at)) = self.similar_element(instance)
             && allowed(&self.model.shape(variant).mask, at)
         {
             return Resolution::Like(variant, at);
@@ -140,7 +140,7 @@ impl<'a> Resolver<'a> {
             && !instance.cut
             && instance.mask.area() >= LOOKED_AT
             && let Some(likeness) = &self.likeness
-            && let Some(outcome) = self.unlike(instance, likeness, &allowed)
+            && let Some(outcome) = self.replacement(instance, likeness, &allowed)
         {
             return outcome;
         }
@@ -153,7 +153,7 @@ impl<'a> Resolver<'a> {
 
     /// Replaces an instance that looks like no element: by those of its elements that were copied in large
     /// part, by the most similar element, or by nothing. `None` if it looks like an element.
-    fn unlike(
+    fn replacement(
         &self,
         instance: &PixelInstance,
         likeness: &Likeness,
@@ -234,7 +234,7 @@ impl<'a> Resolver<'a> {
     }
 
     /// The element that fits an instance best of those like its main one, if it fits well.
-    fn like(&self, instance: &PixelInstance) -> Option<(VariantId, [i32; 2])> {
+    fn similar_element(&self, instance: &PixelInstance) -> Option<(VariantId, [i32; 2])> {
         let main = instance.main();
         let (x, y) = instance.mask.centroid()?;
         let at = [x, y].map(|v| libm::round(v) as i32);

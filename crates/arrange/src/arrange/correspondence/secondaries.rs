@@ -11,13 +11,13 @@ use vtex_base::geometry::{Interior, Point};
 use vtex_scene::library::{ExemplarElement, Library};
 
 /// Least copied share of a secondary whose origin's cell was not copied.
-const ARRIVED: f64 = 0.4;
+const LEAST_COPIED: f64 = 0.4;
 /// Side of the buckets in which secondaries are sought, in pixels.
 const BUCKET: i32 = 8;
 
 /// A copied secondary.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Arrived {
+pub(crate) struct CopiedSecondary {
     /// Its index in its library.
     pub(crate) secondary: u32,
     /// Place of its origin on the canvas, in pixels.
@@ -27,12 +27,22 @@ pub(crate) struct Arrived {
 }
 
 /// A secondary on a page.
-struct Held {
+struct PageSecondary {
     /// Row and column of the cell of its origin.
     cell: (u16, u16),
     secondary: u32,
     /// Place of its origin within the cell.
     within: [i32; 2],
+}
+
+/// A place at which a cell of the canvas shows a part of a secondary.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct SecondaryVote {
+    secondary: u32,
+    /// Place of its origin on the canvas, in pixels.
+    at: [i32; 2],
+    /// Index of the page that it is copied from.
+    page: usize,
 }
 
 impl Correspondence {
@@ -45,13 +55,13 @@ impl Correspondence {
         library: &Library,
         number: usize,
         model: &PlacementModel,
-    ) -> Vec<Arrived> {
+    ) -> Vec<CopiedSecondary> {
         let cell = self.pages.cell;
         let mut placed = Vec::new();
-        let held: Vec<Vec<Held>> = (0..self.pages.sheets.len())
+        let on_page: Vec<Vec<PageSecondary>> = (0..self.pages.sheets.len())
             .map(|k| {
                 let own = self.pages.sheets[k].library == number;
-                if own { self.held(library, k, model) } else { Vec::new() }
+                if own { self.on_page(library, k, model) } else { Vec::new() }
             })
             .collect();
         let [w, h] = self.field.size;
@@ -60,53 +70,53 @@ impl Correspondence {
                 let source = self.field.sources[y * w + x];
                 let page = usize::from(source.page);
                 let key = (source.at[1], source.at[0]);
-                let first = held[page].partition_point(|s| s.cell < key);
-                for s in held[page][first..].iter().take_while(|s| s.cell == key) {
+                let first = on_page[page].partition_point(|s| s.cell < key);
+                for s in on_page[page][first..].iter().take_while(|s| s.cell == key) {
                     let at = [0, 1].map(|k| ([x, y][k] as i32 - self.margin[k]) * cell + s.within[k]);
-                    placed.push(self.arrived(page, s.secondary, at));
+                    placed.push(self.copied_secondary(page, s.secondary, at));
                 }
             }
         }
-        let without = self.arrived_without_origin(library, number, model, &placed);
+        let without = self.copied_without_origin(library, number, model, &placed);
         placed.extend(without);
         placed
     }
 
-    fn arrived(&self, page: usize, secondary: u32, at: [i32; 2]) -> Arrived {
-        Arrived { secondary, at, variation: self.pages.sheets[page].variation }
+    fn copied_secondary(&self, page: usize, secondary: u32, at: [i32; 2]) -> CopiedSecondary {
+        CopiedSecondary { secondary, at, variation: self.pages.sheets[page].variation }
     }
 
     /// The secondaries of a page by the cells of their origins.
-    fn held(&self, library: &Library, page: usize, model: &PlacementModel) -> Vec<Held> {
+    fn on_page(&self, library: &Library, page: usize, model: &PlacementModel) -> Vec<PageSecondary> {
         let (sheet, cell) = (&self.pages.sheets[page], self.pages.cell);
         let size = self.pages.pages[page].size;
-        let mut held = Vec::new();
+        let mut on_page = Vec::new();
         for (k, s) in library.secondaries().iter().enumerate() {
             sheet.copies(model, s.origin(), size.map(|v| v as i32 * cell), |at| {
                 let within = at.map(|v| v.rem_euclid(cell));
-                held.push(Held {
+                on_page.push(PageSecondary {
                     cell: ((at[1] / cell) as u16, (at[0] / cell) as u16),
                     secondary: k as u32,
                     within,
                 });
             });
         }
-        held.sort_unstable_by_key(|s| (s.cell, s.secondary));
-        held
+        on_page.sort_unstable_by_key(|s| (s.cell, s.secondary));
+        on_page
     }
 
     /// Secondaries at the borders of islands of which enough was copied, but not the cell of the origin.
     /// Without them seams would be bare where secondaries tile the background.
-    fn arrived_without_origin(
+    fn copied_without_origin(
         &self,
         library: &Library,
         number: usize,
         model: &PlacementModel,
-        placed: &[Arrived],
-    ) -> Vec<Arrived> {
+        placed: &[CopiedSecondary],
+    ) -> Vec<CopiedSecondary> {
         let cell = self.pages.cell;
         let shapes = SecondaryShapes::new(library);
-        let mut votes: Vec<(u32, [i32; 2], usize)> = Vec::new();
+        let mut votes: Vec<SecondaryVote> = Vec::new();
         let [w, h] = self.field.size;
         for y in 0..h {
             for x in 0..w {
@@ -121,21 +131,22 @@ impl Correspondence {
                 for secondary in shapes.at(library, place) {
                     let own = library.secondaries()[secondary as usize].origin();
                     let own = sheet.on_page(model, own, there);
-                    votes.push((secondary, [0, 1].map(|k| canvas[k] + own[k] - there[k]), page));
+                    let at = [0, 1].map(|k| canvas[k] + own[k] - there[k]);
+                    votes.push(SecondaryVote { secondary, at, page });
                 }
             }
         }
         votes.sort_unstable();
         let mut known: Vec<(u32, [i32; 2])> = placed.iter().map(|p| (p.secondary, p.at)).collect();
         known.sort_unstable();
-        let arrived = |votes: &&[(u32, [i32; 2], usize)]| {
-            let (secondary, at, _) = votes[0];
+        let is_added = |votes: &&[SecondaryVote]| {
+            let SecondaryVote { secondary, at, .. } = votes[0];
             let area = covered(&library.secondaries()[secondary as usize]);
-            let enough = votes.len() as f64 * f64::from(cell * cell) >= ARRIVED * area;
+            let enough = votes.len() as f64 * f64::from(cell * cell) >= LEAST_COPIED * area;
             enough && known.binary_search(&(secondary, at)).is_err()
         };
-        let groups = votes.chunk_by(|a, b| a == b).filter(arrived);
-        groups.map(|v| self.arrived(v[0].2, v[0].0, v[0].1)).collect()
+        let groups = votes.chunk_by(|a, b| a == b).filter(is_added);
+        groups.map(|v| self.copied_secondary(v[0].page, v[0].secondary, v[0].at)).collect()
     }
 
     /// Whether another island is within two cells of a cell.

@@ -1,5 +1,5 @@
-//! Classes that the large structure is divided into: a cell of the canvas takes its source from pixels of its own class.
-//! Classes are the strata of a given map, or six bands of lightness by rank.
+//! Classes of the large structure. A cell of the canvas takes its source from pixels of the exemplar of its
+//! own class. Classes are the strata of a given map, or six bands of lightness by rank.
 
 use crate::arrange::controls::{self, Controls};
 use vtex_base::raster::blur::Plane;

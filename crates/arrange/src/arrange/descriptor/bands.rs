@@ -1,10 +1,10 @@
-//! Bands of the target map that are filled independently and put together again.
+//! Bands of the target map, filled independently of each other.
 //!
 //! Rows are divided into bands. Every second band is taken out, together with the rows around it that an
 //! element and its descriptor can reach. These windows have no cell in common, so they are filled at the same
-//! time and put back in a fixed order. Then the other bands are filled, which see the elements placed around
-//! them. The result depends on the bands, not on which thread fills them when. Canvases of fewer than four
-//! bands are filled in one go.
+//! time and written back in a fixed order. Then the other bands are filled, around the elements placed
+//! before. The result depends on the bands, not on which thread fills them when. Canvases of fewer than four
+//! bands are filled as a whole.
 
 use super::target::{ElementRequest, TargetMap};
 use crate::arrange::choice::MemberWeights;
@@ -19,7 +19,7 @@ const LEAST_ROWS: i32 = 192;
 /// Fewest bands that are worth the division.
 const FEWEST: i32 = 4;
 
-/// How the rows of a map are divided.
+/// The division of the rows of a map.
 pub(in crate::arrange) struct Bands {
     /// Rows around each band that its window holds too.
     halo: i32,
@@ -30,11 +30,11 @@ pub(in crate::arrange) struct Bands {
 impl Bands {
     /// Bands for a map; `None` if it is too small.
     pub(in crate::arrange) fn new(model: &PlacementModel, grid: &Grid) -> Option<Self> {
-        // A texton at the edge of a band, and its descriptor.
+        // An element at the edge of a band reaches this far with its descriptor.
         let halo = model.half + model.reach + 2;
         let mut count = grid.height / LEAST_ROWS.max(2 * halo);
         if grid.tile.y {
-            count -= count % 2; // The last is the first one's neighbour.
+            count -= count % 2; // The last band is next to the first.
         }
         let start = |k: i32| (i64::from(k) * i64::from(grid.height) / i64::from(count)) as i32;
         (count >= FEWEST).then(|| Self { halo, cores: (0..count).map(|k| start(k)..start(k + 1)).collect() })
@@ -51,27 +51,39 @@ impl Bands {
     }
 }
 
-/// A window of a map, a map of its own.
+/// A part of a map as a map of its own.
 pub(super) struct Window<'a> {
     pub(super) map: TargetMap<'a>,
     rows: Range<i32>,
-    /// Numbers of elements and requests of the whole map.
-    placed: usize,
-    requests: usize,
+    /// Of the whole map.
+    counts: MapCounts,
+}
+
+/// Numbers of elements and requests of a map.
+#[derive(Clone, Copy)]
+struct MapCounts {
+    placed: u32,
+    requests: u32,
+}
+
+impl MapCounts {
+    fn of(map: &TargetMap<'_>) -> Self {
+        Self { placed: map.cells.placed.len() as u32, requests: map.requests.len() as u32 }
+    }
 }
 
 /// The changes made in a window.
-pub(super) struct Filled {
+pub(super) struct WindowChanges {
     rows: Range<i32>,
-    /// Numbers of elements and requests of the whole map when the window was made.
-    known: (u32, u32),
+    /// Of the whole map when the window was made.
+    before: MapCounts,
     state: Vec<u16>,
     owner: Vec<Owner>,
     placed: Vec<Standing>,
-    /// Cells that became hidden, by index of the earlier element.
+    /// Indices of the elements placed before, with the number of cells of each that became hidden.
     hidden: Vec<(usize, u32)>,
     requests: Vec<ElementRequest>,
-    /// Requests of the band, all of them answered or refused.
+    /// Requests of the band: each was answered or refused.
     done: Vec<RequestId>,
     deferred: Vec<RequestId>,
     /// Change of the cells covered, by zone and category.
@@ -81,66 +93,65 @@ pub(super) struct Filled {
 impl<'a> Window<'a> {
     fn new(whole: &TargetMap<'a>, rows: Range<i32>, core: &Range<i32>) -> Self {
         let grid = whole.grid();
-        // Across a seam, the rows nearest to the window.
-        let beside = (grid.height - rows.len() as i32) / 2;
-        let place = |[x, y]: [i32; 2]| {
-            let local = y - rows.start;
-            [x, if grid.tile.y { (local + beside).rem_euclid(grid.height) - beside } else { local }]
+        // On a map that repeats, each place has copies a period apart. The copy nearest to the window is used.
+        let outside = (grid.height - rows.len() as i32) / 2;
+        let to_window = |[x, y]: [i32; 2]| {
+            let y = y - rows.start;
+            [x, if grid.tile.y { (y + outside).rem_euclid(grid.height) - outside } else { y }]
         };
-        let mut map = TargetMap::new(whole.cells.band(&rows, place));
+        let mut map = TargetMap::new(whole.cells.band(&rows, to_window));
         map.core = Some(core.start - rows.start..core.end - rows.start);
-        map.requests = whole.requests.iter().map(|r| ElementRequest { at: place(r.at), ..*r }).collect();
+        map.requests = whole.requests.iter().map(|r| ElementRequest { at: to_window(r.at), ..*r }).collect();
         map.weights = WeightTree::zeros(map.requests.len());
         for i in 0..map.requests.len() {
             if map.in_core(RequestId(i as u32)) {
                 map.weights.set(i, whole.weights.get(i));
             }
         }
-        let (placed, requests) = (whole.cells.placed.len(), whole.requests.len());
-        Self { map, rows, placed, requests }
+        Self { map, rows, counts: MapCounts::of(whole) }
     }
 
     /// The changes to apply to the whole map.
-    pub(super) fn filled(self, whole: &TargetMap<'_>) -> Filled {
-        let Self { mut map, rows, placed, requests } = self;
-        let place = |at: [i32; 2]| whole.grid().canonical([at[0], at[1] + rows.start]);
-        let before = |(i, p): (usize, &Standing)| (i, whole.cells.placed[i].visible - p.visible);
-        let hidden = map.cells.placed[..placed].iter().enumerate().map(before).filter(|h| h.1 > 0).collect();
+    pub(super) fn changes(self, whole: &TargetMap<'_>) -> WindowChanges {
+        let Self { mut map, rows, counts: before } = self;
+        let to_whole = |at: [i32; 2]| whole.grid().canonical([at[0], at[1] + rows.start]);
+        let (old, new) = map.cells.placed.split_at(before.placed as usize);
+        let hidden = |(i, p): (usize, &Standing)| (i, whole.cells.placed[i].visible - p.visible);
+        let hidden = old.iter().enumerate().map(hidden).filter(|&(_, cells)| cells > 0).collect();
         let change = |(new, old): (&Vec<u64>, &Vec<u64>)| {
             new.iter().zip(old).map(|(n, o)| *n as i64 - *o as i64).collect()
         };
-        let new = map.cells.placed[placed..].iter();
-        Filled {
+        WindowChanges {
             hidden,
-            placed: new.map(|p| Standing { at: place(p.at), ..*p }).collect(),
-            requests: map.requests[requests..]
+            placed: new.iter().map(|p| Standing { at: to_whole(p.at), ..*p }).collect(),
+            requests: map.requests[before.requests as usize..]
                 .iter()
-                .map(|r| ElementRequest { at: place(r.at), ..*r })
+                .map(|r| ElementRequest { at: to_whole(r.at), ..*r })
                 .collect(),
-            done: (0..requests as u32).map(RequestId).filter(|&id| map.in_core(id)).collect(),
+            done: (0..before.requests).map(RequestId).filter(|&id| map.in_core(id)).collect(),
             deferred: std::mem::take(&mut map.deferred),
             covered: map.cells.covered.iter().zip(&whole.cells.covered).map(change).collect(),
             state: map.cells.state,
             owner: map.cells.owner,
-            known: (placed as u32, requests as u32),
+            before,
             rows,
         }
     }
 }
 
-impl Filled {
-    /// A request as the whole map numbers it, which has `more` requests than when the window was made.
-    fn request(&self, id: RequestId, more: u32) -> RequestId {
-        if id.0 >= self.known.1 { RequestId(id.0 + more) } else { id }
+impl WindowChanges {
+    /// A request as the whole map numbers it. `added` counts what was added there since the window was made.
+    fn request(&self, id: RequestId, added: MapCounts) -> RequestId {
+        if id.0 >= self.before.requests { RequestId(id.0 + added.requests) } else { id }
     }
 
-    /// An owner as the whole map numbers it, which has `more` elements and requests.
-    fn owner(&self, owner: Owner, more: (u32, u32)) -> Owner {
+    /// An owner as the whole map numbers it; `added` as for [`Self::request`].
+    fn owner(&self, owner: Owner, added: MapCounts) -> Owner {
         if let Some(request) = owner.as_request() {
-            return Owner::request(self.request(request, more.1));
+            return Owner::request(self.request(request, added));
         }
         match owner.as_placed() {
-            Some(id) if id.0 >= self.known.0 => Owner::placed(PlacedId(id.0 + more.0)),
+            Some(id) if id.0 >= self.before.placed => Owner::placed(PlacedId(id.0 + added.placed)),
             _ => owner,
         }
     }
@@ -148,45 +159,46 @@ impl Filled {
 
 impl TargetMap<'_> {
     /// Applies the changes of the windows of one batch, in their order.
-    pub(super) fn absorb(&mut self, windows: Vec<Filled>, choice: &mut MemberWeights) {
-        let mut again = Vec::new();
-        for filled in windows {
+    pub(super) fn absorb(&mut self, windows: Vec<WindowChanges>, choice: &mut MemberWeights) {
+        let mut deferred = Vec::new();
+        for changes in windows {
             // Each window numbered its new elements as if it were the only one.
-            let more = (
-                self.cells.placed.len() as u32 - filled.known.0,
-                self.requests.len() as u32 - filled.known.1,
-            );
+            let now = MapCounts::of(self);
+            let added = MapCounts {
+                placed: now.placed - changes.before.placed,
+                requests: now.requests - changes.before.requests,
+            };
             let width = self.grid().width as usize;
-            let lines = filled.state.chunks_exact(width).zip(filled.owner.chunks_exact(width));
-            for (row, (state, owners)) in filled.rows.clone().zip(lines) {
+            let lines = changes.state.chunks_exact(width).zip(changes.owner.chunks_exact(width));
+            for (row, (state, owners)) in changes.rows.clone().zip(lines) {
                 let start = self.grid().index(0, row.rem_euclid(self.grid().height));
                 self.cells.state[start..start + width].copy_from_slice(state);
                 for (to, &from) in self.cells.owner[start..start + width].iter_mut().zip(owners) {
-                    *to = filled.owner(from, more);
+                    *to = changes.owner(from, added);
                 }
             }
-            for &(i, cells) in &filled.hidden {
+            for &(i, cells) in &changes.hidden {
                 self.cells.placed[i].visible -= cells;
             }
-            for &placed in &filled.placed {
+            for &placed in &changes.placed {
                 choice.used(self.model(), placed.variant);
                 self.cells.adopt(placed);
             }
-            for done in &filled.done {
+            for done in &changes.done {
                 self.weights.set(done.0 as usize, 0);
             }
-            for &new in &filled.requests {
+            for &new in &changes.requests {
                 self.requests.push(new);
                 self.weights.push(0);
             }
-            again.extend(filled.deferred.iter().map(|&id| filled.request(id, more.1)));
+            deferred.extend(changes.deferred.iter().map(|&id| changes.request(id, added)));
             let totals = self.cells.covered.iter_mut().flatten();
-            for (total, change) in totals.zip(filled.covered.iter().flatten()) {
+            for (total, change) in totals.zip(changes.covered.iter().flatten()) {
                 *total = total.wrapping_add_signed(*change);
             }
         }
-        again.sort_unstable();
-        again.dedup();
-        again.into_iter().for_each(|request| self.weigh(request));
+        deferred.sort_unstable();
+        deferred.dedup();
+        deferred.into_iter().for_each(|request| self.weigh(request));
     }
 }

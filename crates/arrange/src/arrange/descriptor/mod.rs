@@ -10,16 +10,16 @@
 //! most of them where others have failed before. Here
 //!
 //! * a request keeps its cells, so its region is found by visiting the cells of one texton;
-//! * a request is drawn by its weight from running sums, and is tried once: answered or refused, it
-//!   is not asked for again. A second attempt would meet the same region with other candidates of the
-//!   same category; what it could have added, [`super::density`] adds where it is lacking;
+//! * a request is drawn by its weight from running sums, and is tried once: answered or refused, it is not
+//!   asked for again. A second attempt would only try other candidates of the same category; missing coverage
+//!   is corrected by [`super::density`];
 //! * a request is dropped as soon as other elements cover more than half of it: any element that answered it
 //!   would overlap them;
 //! * candidates are tried at the place drawn and in the middle of the region, where most fit best;
-//! * a candidate whose size alone keeps it below the best so far is not counted. That changes no
-//!   choice.
+//! * a candidate whose upper bound, which follows from its size, is below the best score is skipped. This
+//!   does not change the choice.
 //!
-//! So an attempt visits cells of the textons concerned only, whatever the size of the canvas.
+//! So the cost of an attempt does not depend on the size of the canvas.
 
 pub(super) mod bands;
 mod score;
@@ -29,7 +29,7 @@ use super::choice::MemberWeights;
 use super::model::{EMPTY, PlaceableId, UNDEFINED, VariantId};
 use super::occupancy::{Occupancy, PlacedId, RequestId};
 use super::picture;
-use bands::{Bands, Filled};
+use bands::{Bands, WindowChanges};
 use score::Scorer;
 use std::sync::atomic::{AtomicU64, Ordering};
 use target::TargetMap;
@@ -109,9 +109,10 @@ pub(super) fn place<'a>(
                     let mut random = stream(params.seed, "synth/primaries", 1 + band as u64);
                     let mut choice = choice.clone();
                     let counts = fill(&mut window.map, &mut choice, params, &watch, &mut random)?;
-                    Ok((window.filled(&map), counts))
+                    Ok((window.changes(&map), counts))
                 });
-                let filled: Vec<(Filled, DescriptorCounts)> = filled.into_iter().collect::<Result<_>>()?;
+                let filled: Vec<(WindowChanges, DescriptorCounts)> =
+                    filled.into_iter().collect::<Result<_>>()?;
                 filled.iter().for_each(|(_, c)| counts.add(c));
                 map.absorb(filled.into_iter().map(|f| f.0).collect(), choice);
                 watch.picture(&map);
@@ -160,8 +161,8 @@ fn fill(
     Ok(counts)
 }
 
-/// Starting places in random order. Those after the first serve where requests ran out before they reached
-/// the whole map.
+/// Starting places in random order. Those after the first are used where requests ended before the whole map
+/// was filled.
 fn seeds(map: &TargetMap<'_>, random: &mut Stream) -> Vec<[i32; 2]> {
     let step = (map.model().half / 2).max(8);
     let inside = |size: i32, margin: i32| (margin + step / 2..size - margin).step_by(step as usize);
@@ -209,7 +210,6 @@ fn answer(
     random: &mut Stream,
 ) -> bool {
     let model = map.model();
-    let asking = *model.element(map.get(request).variant);
     let region = map.cells_of(request);
     // The place drawn, and the middle of the region: most textons fit better there.
     let Some(drawn) = random.weighted(region.iter().map(|c| f64::from(c.1))) else {
@@ -218,62 +218,14 @@ fn answer(
     };
     let mean = |k: usize| region.iter().map(|c| i64::from(c.0[k])).sum::<i64>() / region.len() as i64;
     let places = [region[drawn].0, [mean(0) as i32, mean(1) as i32]];
-    // Where libraries meet, the library of the texton is drawn by their shares.
-    let library = map.cells.region.draw_library(map.grid().point(places[1]), random);
-    let categories = &model.sources[library].categories;
-    let home = library == asking.library;
-    let covers = categories.clone().map(|c| model.wanted[c]);
-
     let strict = params.without(Ablation::Overlap);
     let scorer = Scorer::new(map, request, region.len() as u32, &params.weights, strict);
-    let mut best: Option<(f64, VariantId, [i32; 2])> = None;
-    for _ in 0..params.candidates {
-        let category = if home {
-            asking.category
-        } else {
-            let Some(drawn) = random.weighted(covers.clone()) else { break };
-            categories.start + drawn
-        };
-        let Some(element) = choice.draw(model, category, random) else { break };
-        let variant = model.draw_variant(element, random);
-        let bound = scorer.bound(variant);
-        if best.is_some_and(|b| bound <= b.0) {
-            continue;
-        }
-        let mut copy = 0.0;
-        if !params.without(Ablation::Copies) {
-            let penalty = map.cells.copy_nearness(element, places[0]);
-            copy = penalty * COPY_PENALTY * f64::from(model.shape(variant).area);
-        }
-        if best.is_some_and(|b| bound - copy <= b.0) {
-            continue;
-        }
-        for at in places {
-            let score = scorer.score(variant, at) - copy;
-            if best.is_none_or(|b| score > b.0) {
-                best = Some((score, variant, at));
-            }
-        }
-    }
-    let Some((_, variant, mut at)) = best else {
+    let Some(candidate) = best_candidate(map, &scorer, choice, request, places, params, random) else {
         map.drop_request(request);
         return false;
     };
-    let mut score = scorer.score(variant, at);
     let moves = if params.without(Ablation::Improve) { 0 } else { params.moves };
-    for _ in 0..moves {
-        let here = at;
-        for (dx, dy) in [(-1, -1), (0, -1), (1, -1), (-1, 0), (1, 0), (-1, 1), (0, 1), (1, 1)] {
-            let there = [here[0] + dx, here[1] + dy];
-            let s = scorer.score(variant, there);
-            if s > score {
-                (score, at) = (s, there);
-            }
-        }
-        if at == here {
-            break;
-        }
-    }
+    let RequestCandidate { variant, at, score } = candidate.improved(&scorer, moves);
     if score > 0.0 {
         map.place(variant, at, (score / f64::from(model.shape(variant).area)) as f32);
         choice.used(model, variant);
@@ -281,6 +233,84 @@ fn answer(
     // Answered or refused: the rest of the request is not tried again.
     map.drop_request(request);
     score > 0.0
+}
+
+/// A texton at a place where it may answer a request.
+#[derive(Clone, Copy)]
+struct RequestCandidate {
+    variant: VariantId,
+    at: [i32; 2],
+    score: f64,
+}
+
+/// The best of several textons drawn for a request, at one of two places. Copies of near textons rank lower.
+fn best_candidate(
+    map: &TargetMap<'_>,
+    scorer: &Scorer<'_, '_>,
+    choice: &MemberWeights,
+    request: RequestId,
+    places: [[i32; 2]; 2],
+    params: &SynthParams,
+    random: &mut Stream,
+) -> Option<RequestCandidate> {
+    let model = map.model();
+    let requested = *model.element(map.get(request).variant);
+    // Where libraries meet, the library of the texton is drawn by their shares.
+    let library = map.cells.region.draw_library(map.grid().point(places[1]), random);
+    let categories = &model.sources[library].categories;
+    let covers = categories.clone().map(|c| model.wanted[c]);
+    let mut best: Option<RequestCandidate> = None;
+    for _ in 0..params.candidates {
+        let category = if library == requested.library {
+            requested.category
+        } else {
+            let Some(drawn) = random.weighted(covers.clone()) else { break };
+            categories.start + drawn
+        };
+        let Some(element) = choice.draw(model, category, random) else { break };
+        let variant = model.draw_variant(element, random);
+        let bound = scorer.bound(variant);
+        if best.is_some_and(|b| bound <= b.score) {
+            continue;
+        }
+        let mut penalty = 0.0;
+        if !params.without(Ablation::Copies) {
+            let nearness = map.cells.copy_nearness(element, places[0]);
+            penalty = nearness * COPY_PENALTY * f64::from(model.shape(variant).area);
+        }
+        if best.is_some_and(|b| bound - penalty <= b.score) {
+            continue;
+        }
+        for at in places {
+            let score = scorer.score(variant, at) - penalty;
+            if best.is_none_or(|b| score > b.score) {
+                best = Some(RequestCandidate { variant, at, score });
+            }
+        }
+    }
+    best
+}
+
+impl RequestCandidate {
+    /// The candidate after moves by one cell that improve its score, which then has no penalty.
+    fn improved(self, scorer: &Scorer<'_, '_>, moves: u32) -> Self {
+        let Self { variant, mut at, .. } = self;
+        let mut score = scorer.score(variant, at);
+        for _ in 0..moves {
+            let here = at;
+            for (dx, dy) in [(-1, -1), (0, -1), (1, -1), (-1, 0), (1, 0), (-1, 1), (0, 1), (1, 1)] {
+                let there = [here[0] + dx, here[1] + dy];
+                let moved = scorer.score(variant, there);
+                if moved > score {
+                    (score, at) = (moved, there);
+                }
+            }
+            if at == here {
+                break;
+            }
+        }
+        Self { variant, at, score }
+    }
 }
 
 /// Reports the work as it goes on.

@@ -1,12 +1,12 @@
-//! How well a texton answers a request (paper §3.2.1, the five areas).
+//! The score of a candidate for a request: a weighted sum of five areas (paper §3.2.1).
 
 use super::target::TargetMap;
 use crate::arrange::model::{EMPTY, UNDEFINED, VariantId};
 use crate::arrange::occupancy::{Occupancy, Owner, RequestId};
 use vtex_scene::scene::Weights;
 
-/// The areas of the score that depend on the candidate, in cells. The fifth, what stays uncovered,
-/// is the rest of the region.
+/// Four of the five areas of the score, in cells. The fifth, the uncovered part of the region, is the region
+/// less `target`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct CandidateAreas {
     /// Cells of the region covered.
@@ -22,11 +22,14 @@ struct CandidateAreas {
 /// Scores candidates for one request.
 pub(super) struct Scorer<'m, 'a> {
     cells: &'m Occupancy<'a>,
+    /// Owner of the cells of the requested region.
     owner: Owner,
+    /// State of the cells of the requested category.
     code: u16,
+    /// Number of cells of the region.
     region: u32,
     weights: &'m Weights,
-    /// No overlap with placed elements is allowed.
+    /// Whether every overlap with placed elements is refused.
     strict: bool,
 }
 
@@ -58,22 +61,21 @@ impl<'m, 'a> Scorer<'m, 'a> {
             + w.same_overlap * f64::from(a.same_overlap)
     }
 
-    /// Upper bound of the score of a variant at any place: as much of it as possible lies on the region, and
-    /// the rest on undefined cells.
+    /// Upper bound of the score of a variant at any place. The score is linear in the overlap with the region, so
+    /// the bound is the larger of the two extremes: as much overlap as possible, and none.
     pub(super) fn bound(&self, variant: VariantId) -> f64 {
         let w = self.weights;
         let area = f64::from(self.cells.model().shape(variant).area);
         let target = area.min(f64::from(self.region));
-        // The highest score that a cell beside the region, and a cell of the uncovered region, can add.
-        let other = w.empty.max(w.mismatched).max(w.same_overlap).max(0.0);
-        let (all, none) = (
-            w.target * target + w.uncovered * (f64::from(self.region) - target) + other * (area - target),
-            w.uncovered * f64::from(self.region) + other * area,
-        );
-        all.max(none)
+        // The highest score of a cell outside the region; 0 for an undefined one.
+        let outside = w.empty.max(w.mismatched).max(w.same_overlap).max(0.0);
+        let on_region =
+            w.target * target + w.uncovered * (f64::from(self.region) - target) + outside * (area - target);
+        let beside_region = w.uncovered * f64::from(self.region) + outside * area;
+        on_region.max(beside_region)
     }
 
-    /// Counts cells span by span. Undefined cells do not count.
+    /// Counts the cells under a variant. Undefined cells count only where the variant's library has no part.
     fn areas(&self, variant: VariantId, at: [i32; 2]) -> CandidateAreas {
         let (mut target, mut empty, mut same, mut defined) = (0, 0, 0, 0);
         let model = self.cells.model();
@@ -100,9 +102,9 @@ impl<'m, 'a> Scorer<'m, 'a> {
                 .iter()
                 .flat_map(|&s| self.cells.grid.cells(s, at))
                 .flatten();
-            let strange =
+            let not_admitted =
                 |i: &usize| self.cells.state[*i] == UNDEFINED && !self.cells.region.admits(*i, library);
-            areas.mismatched += cells.filter(strange).count() as u32;
+            areas.mismatched += cells.filter(not_admitted).count() as u32;
         }
         areas
     }
@@ -126,8 +128,8 @@ mod tests {
     use vtex_scene::library::testing::{library, mosaic};
     use vtex_scene::scene::{Edge, SynthParams, Tile};
 
-    /// The areas over the whole grid, cell by cell, from the definitions.
-    fn plain(
+    /// The areas from their definitions, for all cells of the grid.
+    fn areas_by_definition(
         map: &Occupancy<'_>,
         owner: Owner,
         code: u16,
@@ -159,10 +161,10 @@ mod tests {
         areas
     }
 
-    /// Scores and choice of the plain scorer and of the one in use are the same on random maps:
-    /// plain, tiled, varied, shared by two libraries.
+    /// Areas and the best candidate agree with the definitions on random maps: plain, tiled, with variations,
+    /// shared by two libraries.
     #[test]
-    fn spans_count_what_cells_count() {
+    fn areas_agree_with_their_definitions() {
         let one = library(&mosaic(90, 14.0, 0.8, 1));
         let two = library(&mosaic(90, 10.0, 0.5, 2));
         let map_of = |values: Vec<f32>| ControlMap::new(3, 1, values).unwrap();
@@ -209,7 +211,7 @@ mod tests {
                 let variant = any(&mut random);
                 let at = [map.grid().width, map.grid().height]
                     .map(|size| random.index(size as usize + 20) as i32 - 10);
-                let wanted = plain(&map.cells, scorer.owner, scorer.code, variant, at);
+                let wanted = areas_by_definition(&map.cells, scorer.owner, scorer.code, variant, at);
                 assert_eq!(scorer.areas(variant, at), wanted);
                 let w = &weights;
                 let score = w.target * f64::from(wanted.target)

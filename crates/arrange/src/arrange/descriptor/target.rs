@@ -1,7 +1,7 @@
 //! The target map: the placed elements, and the elements that descriptors request in undefined cells.
 //!
-//! The region of a request needs no search: its cells know it as their owner. Where libraries share
-//! a canvas, a descriptor writes only where its library has a part.
+//! The region of a request needs no search, because each cell stores its owner. Where libraries share a canvas, a
+//! descriptor writes only where its library has a part.
 
 use crate::arrange::grid::Grid;
 use crate::arrange::model::{EMPTY, PlaceableId, PlacementModel, UNDEFINED, VariantId};
@@ -103,9 +103,9 @@ impl<'a> TargetMap<'a> {
                 continue;
             }
             let element = &model[neighbour];
-            let away = [element.origin[0] - origin[0], element.origin[1] - origin[1]];
-            let away = model.variation(variant).there(away);
-            let place = [at[0] + away[0], at[1] + away[1]];
+            let offset = [element.origin[0] - origin[0], element.origin[1] - origin[1]];
+            let offset = model.variation(variant).mapped_pixel(offset);
+            let place = [at[0] + offset[0], at[1] + offset[1]];
             let neighbour = model.varied(neighbour, variant);
             if element.code == EMPTY {
                 for &span in model.shape(neighbour).mask.spans() {
@@ -114,7 +114,7 @@ impl<'a> TargetMap<'a> {
             } else if element.placeable {
                 self.request(neighbour, place);
             }
-            // How an element cut by the border goes on is unknown: left undefined.
+            // Elements cut by the border are incomplete, so their cells stay undefined.
         }
     }
 
@@ -183,13 +183,13 @@ impl<'a> TargetMap<'a> {
             return;
         }
         let cells = self.cells_of(request);
-        let asked = self.get(request).cells as usize;
-        if cells.len() * 2 < asked || cells.is_empty() {
+        let requested = self.get(request).cells as usize;
+        if cells.len() * 2 < requested || cells.is_empty() {
             self.drop_request(request);
             return;
         }
-        let seen = cells.iter().any(|&(cell, _)| self.cells.inside(cell));
-        let weight = if seen { cells.iter().map(|c| u64::from(c.1)).sum() } else { 0 };
+        let to_be_filled = cells.iter().any(|&(cell, _)| self.cells.inside(cell));
+        let weight = if to_be_filled { cells.iter().map(|c| u64::from(c.1)).sum() } else { 0 };
         self.weights.set(request.0 as usize, weight);
     }
 
@@ -229,9 +229,9 @@ impl<'a> TargetMap<'a> {
         distance.resize(w * h, 0);
         let mut cells = Vec::new();
         for &span in shape.mask.spans() {
-            for part in self.grid().parts(span, at) {
-                let [mut x, y] = part.at;
-                for i in part.cells {
+            for run in self.grid().runs(span, at) {
+                let [mut x, y] = run.at;
+                for i in run.cells {
                     if self.cells.owner[i] == Owner::request(request) {
                         let local = (y - at[1] - y0 + 1) as usize * w + (x - at[0] - x0 + 1) as usize;
                         distance[local] = distance[local - 1].min(distance[local - w]).saturating_add(1);

@@ -1,6 +1,6 @@
-//! The canvas pixel by pixel: the element on each pixel, and a test of distances.
+//! The element on each pixel of the canvas, and a test of distances.
 
-use super::known::ElementRelations;
+use super::relations::ElementRelations;
 use super::{PeriodCopy, size_of};
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -17,7 +17,7 @@ pub(super) const MOST_PIXELS: u64 = 600_000_000;
 /// The canvas with the element on each pixel.
 pub(super) struct OccupiedCanvas<'a> {
     pub(super) library: &'a Library,
-    pub(super) known: &'a ElementRelations,
+    pub(super) relations: &'a ElementRelations,
     /// Canvas and margins: the first pixel, and the size.
     first: [i32; 2],
     size: [i32; 2],
@@ -25,11 +25,11 @@ pub(super) struct OccupiedCanvas<'a> {
     pub(super) wrap: [bool; 2],
     /// Number of the placed element on each pixel, from 1.
     cells: Vec<u32>,
-    /// Pixels of elements, turned about the origin, by the map in steps of [`STEP`].
+    /// Pixels of elements turned about the origin, by element and map. Coefficients are in units of [`STEP`].
     turned: BTreeMap<(usize, [i64; 4]), Arc<Mask>>,
 }
 
-/// Maps that differ by less have the same pixels.
+/// Unit of the coefficients of maps; maps that are equal in it share their pixels.
 const STEP: f64 = 1e-4;
 
 impl<'a> OccupiedCanvas<'a> {
@@ -37,19 +37,19 @@ impl<'a> OccupiedCanvas<'a> {
     pub(super) fn new(
         library: &'a Library,
         params: &SynthParams,
-        known: &'a ElementRelations,
+        relations: &'a ElementRelations,
         most: u64,
     ) -> Option<Self> {
         let wrap = [params.tile.x, params.tile.y];
         let canvas = [params.width as i32, params.height as i32];
         let period = size_of(library);
-        let beyond = |k: usize| (known.margin + 0.5 * period[k]) as i32;
+        let beyond = |k: usize| (relations.margin + 0.5 * period[k]) as i32;
         let first = [0, 1].map(|k| if wrap[k] { 0 } else { -beyond(k) });
         let size = [0, 1].map(|k| if wrap[k] { canvas[k] } else { canvas[k] + 2 * beyond(k) });
         let pixels = size[0] as u64 * size[1] as u64;
         let cells = vec![0; if pixels <= most { pixels as usize } else { return None }];
         let turned = BTreeMap::new();
-        Some(Self { library, known, first, size, canvas, wrap, cells, turned })
+        Some(Self { library, relations, first, size, canvas, wrap, cells, turned })
     }
 
     /// The cell of a pixel of the canvas.
@@ -73,7 +73,7 @@ impl<'a> OccupiedCanvas<'a> {
         // An endless element, which runs on from period to period, is in the map of the exemplar and has no
         // pixels of its own.
         if [a, b, c, d] == [1.0, 0.0, 0.0, 1.0] || self.library.elements[p.element].clipped {
-            return (Arc::clone(&self.known.masks[p.element]), shift);
+            return (Arc::clone(&self.relations.masks[p.element]), shift);
         }
         let key = (p.element, [a, b, c, d].map(|v| libm::round(v / STEP) as i64));
         let own = &self.library.elements[p.element];
@@ -88,22 +88,22 @@ impl<'a> OccupiedCanvas<'a> {
     ///
     /// # Errors
     /// Those of `go_on`.
-    pub(super) fn stand_all(&mut self, placed: &[PeriodCopy], go_on: impl Fn() -> Result<()>) -> Result<()> {
+    pub(super) fn write_all(&mut self, placed: &[PeriodCopy], go_on: impl Fn() -> Result<()>) -> Result<()> {
         let mut order: Vec<usize> = (0..placed.len()).collect();
         order.sort_by_key(|&i| placed[i].order);
         for i in order {
             go_on()?;
             self.write(&placed[i], i as u32 + 1, 0);
         }
-        self.stand_endless();
+        self.write_endless();
         Ok(())
     }
 
-    /// Marks the endless elements. They are in every period, at the place that the exemplar's map gives.
-    fn stand_endless(&mut self) {
+    /// Writes the endless elements, which are in every period at the place that the arrangement gives.
+    fn write_endless(&mut self) {
         let labels = self.library.arrangement.to_labels();
-        let ends: Vec<bool> = self.library.primaries().iter().map(|e| e.clipped).collect();
-        if !ends.contains(&true) {
+        let is_endless: Vec<bool> = self.library.primaries().iter().map(|e| e.clipped).collect();
+        if !is_endless.contains(&true) {
             return;
         }
         for y in 0..self.size[1] {
@@ -111,7 +111,7 @@ impl<'a> OccupiedCanvas<'a> {
                 let [u, v] = [(x + self.first[0], labels.width), (y + self.first[1], labels.height)]
                     .map(|(v, size)| v.rem_euclid(size as i32) as u32);
                 let label = labels.get(u, v);
-                if label > 0 && ends[label as usize - 1] {
+                if label > 0 && is_endless[label as usize - 1] {
                     let i = y as usize * self.size[0] as usize + x as usize;
                     if let Some(cell) = self.cells.get_mut(i) {
                         *cell = u32::MAX - label;
@@ -121,8 +121,8 @@ impl<'a> OccupiedCanvas<'a> {
         }
     }
 
-    /// The cells of a stretch of a row, in two parts where it runs across a seam.
-    fn stretch(&self, x0: i64, x1: i64, y: i64) -> [Range<usize>; 2] {
+    /// The cells of a row from `x0` to `x1`, in two parts where they cross a seam.
+    fn row_cells(&self, x0: i64, x1: i64, y: i64) -> [Range<usize>; 2] {
         let [width, height] = self.size.map(i64::from);
         let [x0, x1, y] =
             [x0 - i64::from(self.first[0]), x1 - i64::from(self.first[0]), y - i64::from(self.first[1])];
@@ -142,37 +142,38 @@ impl<'a> OccupiedCanvas<'a> {
         [cells(start, start + length), cells(0, start + length - width)]
     }
 
-    /// Writes `new` on the pixels of an element; only over `old`, unless that is 0.
+    /// Writes `new` on the pixels of an element that hold `old`, or on all if `old` is 0.
     pub(super) fn write(&mut self, p: &PeriodCopy, new: u32, old: u32) {
         let (mask, shift) = self.mask(p);
         let [dx, dy] = shift.map(i64::from);
         for s in mask.spans() {
-            for part in self.stretch(i64::from(s.x0) + dx, i64::from(s.x1) + dx, i64::from(s.y) + dy) {
+            for part in self.row_cells(i64::from(s.x0) + dx, i64::from(s.x1) + dx, i64::from(s.y) + dy) {
                 let cells = &mut self.cells[part];
                 cells.iter_mut().filter(|cell| old == 0 || **cell == old).for_each(|cell| *cell = new);
             }
         }
     }
 
-    /// Whether an element would keep a distance from all others, in units of that in the exemplar.
+    /// Whether an element would be at a distance from all others; `clearance` is in units of that in the
+    /// exemplar.
     pub(super) fn fits(&mut self, p: &PeriodCopy, clearance: f64) -> bool {
         let (mask, shift) = self.mask(p);
-        let reach = libm::ceil(clearance * f64::from(self.known.clearance)) as i32;
-        // A disc in rows so close that no element lies between two of them unnoticed.
-        let step = (0.35 * f64::from(reach)).min(self.known.lowest).max(1.0);
+        let reach = libm::ceil(clearance * f64::from(self.relations.clearance)) as i32;
+        // The disc is sampled in rows at most as far apart as the shortest side of an element.
+        let step = (0.35 * f64::from(reach)).min(self.relations.shortest_side).max(1.0);
         let count = libm::ceil(f64::from(reach) / step) as i32;
         let row = |k: i32| {
             let part = f64::from(k) / f64::from(count.max(1));
             let [dy, beside] = [part, libm::sqrt(1.0 - part * part)].map(|v| v * f64::from(reach));
             (libm::round(dy) as i32, libm::round(beside) as i32)
         };
-        // The mask itself first, because it is the most likely to fail.
+        // The row of the element itself is the most likely to fail, so it is tested first.
         let rows = std::iter::once(0).chain((1..=count).flat_map(|k| [-k, k])).map(row);
         let [x, y] = shift.map(i64::from);
         rows.into_iter().all(|(dy, beside)| {
             let (dy, beside) = (i64::from(dy), i64::from(beside));
             mask.spans().iter().all(|s| {
-                let parts = self.stretch(
+                let parts = self.row_cells(
                     i64::from(s.x0) + x - beside,
                     i64::from(s.x1) + x + beside,
                     i64::from(s.y) + y + dy,
@@ -182,14 +183,15 @@ impl<'a> OccupiedCanvas<'a> {
         })
     }
 
+    /// Size of the canvas along the axes that repeat.
     pub(super) fn periods(&self) -> [Option<f64>; 2] {
         [0, 1].map(|k| self.wrap[k].then_some(f64::from(self.canvas[k])))
     }
 
-    /// Whether an element lies on the canvas, on its border, or beyond: elements change places within one
-    /// of these, so that the canvas keeps its share of each.
+    /// 0 for an element on the canvas, 1 for one on its border, 2 for one outside. Elements change places within
+    /// one zone only, so that the coverage of each category stays.
     pub(super) fn zone(&self, p: &PeriodCopy) -> u8 {
-        let b = p.map.transform_rect_bbox(self.known.bounds[p.element]);
+        let b = p.map.transform_rect_bbox(self.relations.bounds[p.element]);
         let axis = |wrap: bool, low: f64, high: f64, size: i32| match (low >= 0.0, high <= f64::from(size)) {
             _ if wrap => 0,
             (true, true) => 0,
@@ -199,11 +201,12 @@ impl<'a> OccupiedCanvas<'a> {
         axis(self.wrap[0], b.x0, b.x1, self.canvas[0]).max(axis(self.wrap[1], b.y0, b.y1, self.canvas[1]))
     }
 
-    pub(super) fn middle(&self, p: &PeriodCopy) -> Point {
-        p.map * self.known.bounds[p.element].center()
+    /// Centre of an element's bounds.
+    pub(super) fn centre(&self, p: &PeriodCopy) -> Point {
+        p.map * self.relations.bounds[p.element].center()
     }
 
-    /// Share of the canvas that each category covers. Asks `go_on` at each row.
+    /// Share of the canvas that each category covers. Calls `go_on` before each row.
     ///
     /// # Errors
     /// Those of `go_on`.

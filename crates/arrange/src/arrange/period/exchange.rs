@@ -1,5 +1,5 @@
-//! Elements of a drawing exchange places, move at random and settle. None comes nearer to another than in the
-//! exemplar.
+//! Elements of a drawing exchange places, move at random, and then move away from their neighbours. No two come
+//! nearer to each other than elements of the exemplar.
 
 use super::PeriodCopy;
 use super::canvas::OccupiedCanvas;
@@ -13,21 +13,24 @@ use vtex_base::sampling::{Stream, stream};
 const PARTNERS: [usize; 2] = [16, 8];
 /// Largest ratio of the sizes of elements that change places.
 const RATIO: f64 = 1.4;
-/// Least distance of similar elements, in mean distances between elements, as long as there are partners.
+/// Least distance of similar elements, as a multiple of the mean distance between elements. It is not kept if
+/// no candidate partner fits.
 const COPIES: f64 = 1.4;
-/// Rounds in which elements wander before they settle, and places tried in each.
+/// Rounds of random walks.
 const WALKS: usize = 6;
+/// Places tried for an element in each.
 const STEPS: usize = 3;
-/// Lengths of a single step, in units of [`FARTHEST`].
+/// Lengths of a step of a walk, in units of [`FARTHEST`].
 const STRIDES: [f64; 3] = [1.0, 2.0, 4.0];
-/// Rounds in which elements settle, and places tried in each.
-const SETTLES: usize = 4;
+/// Rounds in which elements move away from their neighbours.
+const SEPARATIONS: usize = 4;
+/// Places tried for an element in each.
 const SHIFTS: usize = 8;
-/// Largest shift at once, as a share of the mean distance between elements.
+/// Largest single shift, as a share of the mean distance between elements.
 const FARTHEST: f64 = 0.22;
-/// Clearances that settling elements may have, in units of that of the exemplar.
+/// Clearances that are distinguished, in units of that of the exemplar.
 const CLEARANCES: [f64; 6] = [1.0, 1.5, 2.0, 2.5, 3.0, 4.0];
-/// Angles of elements that may be turned at will.
+/// Number of angles of elements that occur at any angle.
 const TURNS: usize = 24;
 /// Largest gap between the angles of such elements, in radians.
 const LARGEST_GAP: f64 = 1.75;
@@ -38,23 +41,24 @@ struct ExchangePlaces {
     places: Vec<Point>,
     /// The element at each place.
     occupants: Vec<usize>,
+    /// Least distance of similar elements, in pixels.
     reach: f64,
 }
 
 impl ExchangePlaces {
-    /// Whether an occupant that satisfies `holds` is within reach of a site, not counting the sites `but`.
+    /// Whether an occupant that satisfies `predicate` is within reach of a site; the sites `except` are left out.
     fn any_near(
         &self,
         site: usize,
-        but: [usize; 2],
+        except: [usize; 2],
         periods: [Option<f64>; 2],
-        holds: impl Fn(usize) -> bool,
+        predicate: impl Fn(usize) -> bool,
     ) -> bool {
         let mut any = false;
         self.near.each(self.places[site], |k| {
             any = any
-                || !but.contains(&k)
-                    && holds(self.occupants[k])
+                || !except.contains(&k)
+                    && predicate(self.occupants[k])
                     && shortest_offset(self.places[site], self.places[k], periods).hypot() < self.reach;
         });
         any
@@ -75,43 +79,44 @@ impl OccupiedCanvas<'_> {
         go_on: impl Fn() -> Result<()>,
     ) -> Result<()> {
         let mut random = stream(seed, "synth/period", 0);
-        let mut all: Vec<usize> = (0..placed.len()).filter(|&i| self.known.free[placed[i].element]).collect();
-        all.retain(|_| random.unit() < share);
-        random.shuffle(&mut all);
+        let mut moving: Vec<usize> =
+            (0..placed.len()).filter(|&i| self.relations.free[placed[i].element]).collect();
+        moving.retain(|_| random.unit() < share);
+        random.shuffle(&mut moving);
         for _ in 0..WALKS {
-            for &i in &all {
+            for &i in &moving {
                 go_on()?;
                 self.walk(placed, i, share, &mut random);
             }
         }
-        for _ in 0..SETTLES {
-            for &i in &all {
+        for _ in 0..SEPARATIONS {
+            for &i in &moving {
                 go_on()?;
-                // Elements at the border of the canvas settle once, at the end, because their visible part
+                // Elements at the border of the canvas move only once, at the end, because their visible part
                 // changes.
                 if self.zone(&placed[i]) == 0 {
-                    self.settle(placed, i, share, &mut random);
+                    self.separate(placed, i, share, &mut random);
                 }
             }
         }
-        let mut sites = self.sites(placed, &all);
-        for n in 0..all.len() {
+        let mut sites = self.sites(placed, &moving);
+        for n in 0..moving.len() {
             go_on()?;
             self.exchange(placed, &mut sites, n, &mut random);
         }
-        for &i in &all {
+        for &i in &moving {
             go_on()?;
-            self.settle(placed, i, share, &mut random);
+            self.separate(placed, i, share, &mut random);
         }
         Ok(())
     }
 
-    /// The places of the elements `all`, each with its own element.
-    fn sites(&self, placed: &[PeriodCopy], all: &[usize]) -> ExchangePlaces {
-        let places: Vec<Point> = all.iter().map(|&i| self.middle(&placed[i])).collect();
-        let reach = COPIES * self.known.spacing;
+    /// The places of the elements `moving`, each occupied by its own element.
+    fn sites(&self, placed: &[PeriodCopy], moving: &[usize]) -> ExchangePlaces {
+        let places: Vec<Point> = moving.iter().map(|&i| self.centre(&placed[i])).collect();
+        let reach = COPIES * self.relations.spacing;
         let near = NearPoints::new(&places, self.periods(), reach);
-        ExchangePlaces { near, places, occupants: all.to_vec(), reach }
+        ExchangePlaces { near, places, occupants: moving.to_vec(), reach }
     }
 
     /// Exchanges the element of a site with another of similar size.
@@ -122,9 +127,9 @@ impl OccupiedCanvas<'_> {
         n: usize,
         random: &mut Stream,
     ) {
-        let known = self.known;
+        let relations = self.relations;
         let extent = |p: &PeriodCopy| {
-            let b = known.bounds[p.element];
+            let b = relations.bounds[p.element];
             libm::hypot(b.width(), b.height())
         };
         let a = sites.occupants[n];
@@ -133,32 +138,32 @@ impl OccupiedCanvas<'_> {
             let m = random.index(sites.occupants.len());
             let b = sites.occupants[m];
             let other = extent(&placed[b]);
-            let kinds = if attempt < PARTNERS[0] { &known.alike } else { &known.same };
+            let kinds = if attempt < PARTNERS[0] { &relations.first_like } else { &relations.first_equal };
             let [kind_a, kind_b] = [a, b].map(|i| kinds[placed[i].element]);
             let zones = [a, b].map(|i| self.zone(&placed[i]));
             if kind_a == kind_b || zones[0] != zones[1] || own.max(other) > RATIO * own.min(other) {
                 continue;
             }
-            let has = |site: usize, kind: usize| {
+            let is_near = |site: usize, kind: usize| {
                 let periods = self.periods();
                 sites.any_near(site, [n, m], periods, |i| kinds[placed[i].element] == kind)
             };
-            if !has(m, kind_a) && !has(n, kind_b) && self.swapped(placed, [a, b], random) {
+            if !is_near(m, kind_a) && !is_near(n, kind_b) && self.try_swap(placed, [a, b], random) {
                 sites.occupants.swap(n, m);
                 return;
             }
         }
     }
 
-    /// Exchanges two elements, if both fit.
-    fn swapped(&mut self, placed: &mut [PeriodCopy], [a, b]: [usize; 2], random: &mut Stream) -> bool {
+    /// Exchanges two elements if both fit; whether they did.
+    fn try_swap(&mut self, placed: &mut [PeriodCopy], [a, b]: [usize; 2], random: &mut Stream) -> bool {
         let (old_a, old_b) = (placed[a], placed[b]);
         self.write(&old_a, 0, a as u32 + 1);
         self.write(&old_b, 0, b as u32 + 1);
-        let new_a = self.at(&old_a, self.middle(&old_b), random);
+        let new_a = self.moved_to(&old_a, self.centre(&old_b), random);
         if self.fits(&new_a, 1.0) {
             self.write(&new_a, a as u32 + 1, 0);
-            let new_b = self.at(&old_b, self.middle(&old_a), random);
+            let new_b = self.moved_to(&old_b, self.centre(&old_a), random);
             if self.fits(&new_b, 1.0) {
                 self.write(&new_b, b as u32 + 1, 0);
                 (placed[a], placed[b]) = (new_a, new_b);
@@ -171,20 +176,21 @@ impl OccupiedCanvas<'_> {
         false
     }
 
-    /// Moves an element within the canvas by a random walk, so that large elements too leave repeated places.
-    /// Elements at the border do not move, because the visible share of each kind would change.
+    /// Moves an element within the canvas by a step of a random walk. Large elements find no partner to exchange
+    /// places with, and leave the place of the period in this way. Elements at the border do not move, because
+    /// the coverage of their category would change.
     fn walk(&mut self, placed: &mut [PeriodCopy], i: usize, share: f64, random: &mut Stream) {
         let old = placed[i];
         if self.zone(&old) != 0 {
             return;
         }
         self.write(&old, 0, i as u32 + 1);
-        let middle = self.middle(&old);
+        let centre = self.centre(&old);
         for _ in 0..STEPS {
             let stride = STRIDES[random.index(STRIDES.len())];
-            let reach = stride * share * FARTHEST * self.known.spacing;
+            let reach = stride * share * FARTHEST * self.relations.spacing;
             let by = Vec2::new(random.range(-reach, reach), random.range(-reach, reach));
-            let new = self.at(&old, middle + by, random);
+            let new = self.moved_to(&old, centre + by, random);
             if self.zone(&new) == 0 && self.fits(&new, 1.0) {
                 placed[i] = new;
                 break;
@@ -193,43 +199,43 @@ impl OccupiedCanvas<'_> {
         self.write(&placed[i].clone(), i as u32 + 1, 0);
     }
 
-    /// Moves an element to a place farther from others, if there is one, and turns it if other elements of
-    /// its kind are turned.
-    fn settle(&mut self, placed: &mut [PeriodCopy], i: usize, share: f64, random: &mut Stream) {
+    /// Moves an element to a nearby place that is farther from others, if one is found, turned by an angle at
+    /// which equal elements occur.
+    fn separate(&mut self, placed: &mut [PeriodCopy], i: usize, share: f64, random: &mut Stream) {
         let old = placed[i];
         self.write(&old, 0, i as u32 + 1);
-        let (middle, zone) = (self.middle(&old), self.zone(&old));
-        let reach = share * FARTHEST * self.known.spacing;
-        // Number of clearances that it keeps at its place.
-        let mut has = CLEARANCES.iter().take_while(|c| self.fits(&old, **c)).count();
+        let (centre, zone) = (self.centre(&old), self.zone(&old));
+        let reach = share * FARTHEST * self.relations.spacing;
+        // Number of clearances that the element has at its place.
+        let mut kept = CLEARANCES.iter().take_while(|c| self.fits(&old, **c)).count();
         for _ in 0..SHIFTS {
             let by = Vec2::new(random.range(-reach, reach), random.range(-reach, reach));
-            let new = self.at(&old, middle + by, random);
-            if has == CLEARANCES.len() || self.zone(&new) != zone {
+            let new = self.moved_to(&old, centre + by, random);
+            if kept == CLEARANCES.len() || self.zone(&new) != zone {
                 continue;
             }
             // The next clearance is the likeliest to fail, so it is tested first.
-            if CLEARANCES[..=has].iter().rev().all(|c| self.fits(&new, *c)) {
+            if CLEARANCES[..=kept].iter().rev().all(|c| self.fits(&new, *c)) {
                 placed[i] = new;
-                has += 1;
+                kept += 1;
             }
         }
         self.write(&placed[i].clone(), i as u32 + 1, 0);
     }
 
-    /// An element with its middle at a place, turned by an angle of its kind. Along axes that repeat it stays
-    /// on the canvas.
-    fn at(&self, p: &PeriodCopy, mut place: Point, random: &mut Stream) -> PeriodCopy {
-        let class = self.known.equal[p.element];
-        let angles = self.known.angles.get(&class.0).map_or(&[][..], Vec::as_slice);
-        // The element's own angle in its class.
-        let [a, b, ..] = class.1.as_coeffs();
+    /// A copy with its centre at a place, turned by a random angle at which equal elements occur. The place is
+    /// wrapped along axes that repeat.
+    fn moved_to(&self, p: &PeriodCopy, mut place: Point, random: &mut Stream) -> PeriodCopy {
+        let class = self.relations.equal[p.element];
+        let angles = self.relations.angles.get(&class.first).map_or(&[][..], Vec::as_slice);
+        // The element's angle in the exemplar, relative to the first of its class.
+        let [a, b, ..] = class.map.as_coeffs();
         let own = libm::atan2(b, a);
         let turn = match angles.len() {
             0 | 1 => 0.0,
-            _ if go_round(angles) => random.index(TURNS) as f64 / TURNS as f64 * TAU,
+            _ if fill_circle(angles) => random.index(TURNS) as f64 / TURNS as f64 * TAU,
             // The angles are those of elements that are not mirrored.
-            _ if class.1.determinant() < 0.0 => 0.0,
+            _ if class.map.determinant() < 0.0 => 0.0,
             count => angles[random.index(count)] - own,
         };
         if self.wrap[0] {
@@ -238,20 +244,20 @@ impl OccupiedCanvas<'_> {
         if self.wrap[1] {
             place.y -= f64::from(self.canvas[1]) * libm::floor(place.y / f64::from(self.canvas[1]));
         }
-        let centre = self.known.bounds[p.element].center();
+        let centre = self.relations.bounds[p.element].center();
         let [a, b, c, d, ..] = self.library.layers[p.order.0].instances[p.order.1].transform;
-        let given = Affine::new([a, b, c, d, 0.0, 0.0]);
-        let linear = if turn.abs() < 1e-3 { given } else { rotation(turn) * given };
-        let at = place - linear * centre;
-        // At whole pixels, where the fit was tested.
-        let map = Affine::translate(Vec2::new(libm::round(at.x), libm::round(at.y))) * linear;
+        let own = Affine::new([a, b, c, d, 0.0, 0.0]);
+        let linear = if turn.abs() < 1e-3 { own } else { rotation(turn) * own };
+        let shift = place - linear * centre;
+        // `fits` tests whole pixels.
+        let map = Affine::translate(Vec2::new(libm::round(shift.x), libm::round(shift.y))) * linear;
         PeriodCopy { map, ..*p }
     }
 }
 
-/// Whether angles, ascending and in radians, leave no large gap on the circle, so that elements seem to have
-/// any angle.
-fn go_round(angles: &[f64]) -> bool {
+/// Whether angles, ascending and in radians, leave no large gap on the circle: then elements count as occurring
+/// at any angle.
+fn fill_circle(angles: &[f64]) -> bool {
     let (Some(first), Some(last)) = (angles.first(), angles.last()) else { return false };
     let gaps = angles.windows(2).map(|pair| pair[1] - pair[0]);
     gaps.chain([first + TAU - last]).all(|gap| gap < LARGEST_GAP)
@@ -262,8 +268,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_few_angles_are_kept_to_and_many_go_round() {
-        assert!(!go_round(&[]) && !go_round(&[-0.14, 0.0, 0.14]) && !go_round(&[0.0, TAU / 2.0]));
-        assert!(go_round(&[-2.4, -0.8, 0.8, 2.4]));
+    fn only_angles_without_a_large_gap_fill_the_circle() {
+        assert!(!fill_circle(&[]) && !fill_circle(&[-0.14, 0.0, 0.14]) && !fill_circle(&[0.0, TAU / 2.0]));
+        assert!(fill_circle(&[-2.4, -0.8, 0.8, 2.4]));
     }
 }

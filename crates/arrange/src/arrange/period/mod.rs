@@ -1,19 +1,18 @@
 //! Placement by the period of a drawing: the exemplar's own period repeated, its elements exchanged, moved
 //! and turned.
 //!
-//! An exact repetition is the best that can be done for a regular or interlocking swatch. In a loose one,
-//! elements that touch no other are free to move: they change places with others of like size, wander, turn
-//! and shift a little, as long as none comes nearer to another than elements of the swatch do. Similar
-//! elements are kept apart. Number and area by category stay as they are, because elements only change places
-//! and those at the border of the canvas hardly move. Equal elements, found up to rotation, reflection and
-//! size, are one element of the scene.
+//! A regular or interlocking drawing is repeated exactly. In a loose one, elements that touch no other are free
+//! to move: they exchange places with others of similar size, move and turn, as long as no two come nearer to
+//! each other than elements of the drawing. Similar elements are kept apart. The number of elements stays, and
+//! the area by category nearly so: elements at the border of the canvas hardly move. Elements that are equal up
+//! to rotation, reflection and size are one element of the scene.
 //!
-//! When this works badly: packed swatches, whose elements have no room to move. They come out as they are,
-//! and the share of places that repeat says so.
+//! Works badly for packed drawings, whose elements have no room to move: they are repeated exactly.
+//! [`Repeated::repeating`] is then 1.
 
 mod canvas;
 mod exchange;
-mod known;
+mod relations;
 #[cfg(test)]
 mod tests;
 
@@ -21,10 +20,11 @@ use canvas::{MOST_PIXELS, OccupiedCanvas};
 use vtex_base::error::{Error, Large, Result};
 use vtex_base::geometry::{Affine, Rect, Vec2};
 use vtex_base::progress::{Progress, advance};
+use vtex_scene::element::SimilarTo;
 use vtex_scene::library::Library;
 use vtex_scene::scene::SynthParams;
 
-use known::ElementRelations;
+use relations::ElementRelations;
 use std::collections::BTreeMap;
 
 /// Places that differ by at most this are the same, in pixels.
@@ -45,13 +45,13 @@ pub(crate) struct PeriodCopy {
 pub(crate) struct Repeated {
     /// All elements on the canvas, and those beside it that change places with them.
     pub(crate) placed: Vec<PeriodCopy>,
-    /// For each element of the library, the first element equal to it, and the map from that one.
-    pub(crate) equal: Vec<(usize, Affine)>,
+    /// The class of equal elements that each element of the library belongs to.
+    pub(crate) equal: Vec<SimilarTo>,
     /// Bounds of each element of the library, in the exemplar.
     pub(crate) bounds: Vec<Rect>,
     /// Share of the canvas that each category covers.
     pub(crate) covered: Vec<f64>,
-    /// Share of the elements free to move that took part, 0 to 1.
+    /// Share of the free elements that were moved, 0 to 1.
     pub(crate) variation: f64,
     /// Share of the places whose element also occurs one period before, along either axis.
     pub(crate) repeating: Option<f64>,
@@ -76,13 +76,13 @@ fn place_within(
     check_periods(library, params)?;
     check_copies(library, params)?;
     advance(progress, "primaries", 0, 2)?;
-    let known = ElementRelations::new(library);
-    let mut variation = params.variation.unwrap_or(if known.regular { 0.0 } else { 1.0 });
-    let mut placed = repeated(library, params, &known);
+    let relations = ElementRelations::new(library);
+    let mut variation = params.variation.unwrap_or(if relations.regular { 0.0 } else { 1.0 });
+    let mut placed = repeated(library, params, &relations);
     // On a canvas too large for the map, coverage is taken from the exemplar.
     let mut covered: Vec<f64> = library.categories.iter().map(|c| c.coverage).collect();
-    if let Some(mut canvas) = OccupiedCanvas::new(library, params, &known, most) {
-        canvas.stand_all(&placed, || advance(progress, "primaries", 0, 2))?;
+    if let Some(mut canvas) = OccupiedCanvas::new(library, params, &relations, most) {
+        canvas.write_all(&placed, || advance(progress, "primaries", 0, 2))?;
         let go_on = || advance(progress, "primaries", 1, 2);
         go_on()?;
         if variation > 0.0 {
@@ -95,8 +95,8 @@ fn place_within(
             .warn("the texture is too large for elements to change places: the drawing is repeated as it is");
     }
     advance(progress, "primaries", 2, 2)?;
-    let repeating = repeating(library, params, &placed, &known);
-    let ElementRelations { equal, bounds, .. } = known;
+    let repeating = repeating(library, params, &placed, &relations);
+    let ElementRelations { equal, bounds, .. } = relations;
     Ok(Repeated { placed, equal, bounds, covered, variation, repeating })
 }
 
@@ -104,8 +104,8 @@ fn size_of(library: &Library) -> [f64; 2] {
     [library.source.width, library.source.height].map(f64::from)
 }
 
-/// Refuses a canvas that is to repeat along an axis and is not a whole number of periods long there, but for
-/// the rounding of the canvas.
+/// Refuses a canvas that is to repeat along an axis and is not, when rounded to pixels, a whole number of periods
+/// long there.
 ///
 /// # Errors
 /// [`Error::DrawingPeriods`].
@@ -175,16 +175,16 @@ fn copies(library: &Library, canvas: [f64; 2], tile: [bool; 2]) -> (f64, f64) {
 }
 
 /// All copies of all elements that reach the canvas or its margin; along axes that repeat, each once.
-fn repeated(library: &Library, params: &SynthParams, known: &ElementRelations) -> Vec<PeriodCopy> {
+fn repeated(library: &Library, params: &SynthParams, relations: &ElementRelations) -> Vec<PeriodCopy> {
     let period = size_of(library);
     let canvas = [params.width, params.height].map(f64::from);
     let tile = [params.tile.x, params.tile.y];
-    let margin = known.margin;
+    let margin = relations.margin;
     let mut placed = Vec::new();
     for (l, layer) in library.layers.iter().enumerate() {
         for (n, instance) in layer.instances.iter().enumerate() {
             let own = Affine::new(instance.transform);
-            let b = own.transform_rect_bbox(known.bounds[instance.element.index()]);
+            let b = own.transform_rect_bbox(relations.bounds[instance.element.index()]);
             let range = |k: usize, low: f64, high: f64| {
                 if tile[k] {
                     return 0..(canvas[k] / period[k]) as i64;
@@ -209,14 +209,14 @@ fn repeating(
     library: &Library,
     params: &SynthParams,
     placed: &[PeriodCopy],
-    known: &ElementRelations,
+    relations: &ElementRelations,
 ) -> Option<f64> {
     let period = size_of(library);
     let size = [f64::from(params.width), f64::from(params.height)];
     let at = |p: &PeriodCopy| {
-        let (first, from) = known.equal[p.element];
-        let map = p.map * from;
-        (first, map, map * known.bounds[first].center())
+        let SimilarTo { first, map } = relations.equal[p.element];
+        let map = p.map * map;
+        (first, map, map * relations.bounds[first].center())
     };
     let all: Vec<_> = placed.iter().map(at).collect();
     let cell = |x: f64, y: f64| [x, y].map(|v| libm::floor(v / (2.0 * SAME)) as i64);

@@ -41,8 +41,8 @@ fn nothing_changes_places_on_a_canvas_beyond_the_limit_and_that_is_said() {
 fn pixels_of_elements_follow_all_of_a_map() {
     let library = drawing();
     let params = SynthParams { width: 320, height: 320, ..SynthParams::default() };
-    let known = ElementRelations::new(&library);
-    let mut canvas = OccupiedCanvas::new(&library, &params, &known, MOST_PIXELS).unwrap();
+    let relations = ElementRelations::new(&library);
+    let mut canvas = OccupiedCanvas::new(&library, &params, &relations, MOST_PIXELS).unwrap();
     let area = |map: Affine| PeriodCopy { element: 0, map, order: (0, 0) };
     let mut fits = |map: Affine| {
         let p = area(map);
@@ -52,7 +52,7 @@ fn pixels_of_elements_follow_all_of_a_map() {
         covered * 320.0 * 320.0
     };
     let to_middle = Affine::translate((160.0, 160.0));
-    let home = Affine::translate(-known.bounds[0].center().to_vec2());
+    let home = Affine::translate(-relations.bounds[0].center().to_vec2());
     let plain = fits(to_middle * home);
     let tall = fits(to_middle * Affine::scale_non_uniform(1.0, 3.0) * home);
     assert!((tall / plain - 3.0).abs() < 0.1, "{plain} {tall}");
@@ -63,7 +63,7 @@ fn changing_places_stops_wherever_it_is_asked_to() {
     let library = drawing();
     let params = SynthParams { width: 320, height: 320, variation: Some(1.0), ..SynthParams::default() };
     let free = ElementRelations::new(&library).free.iter().filter(|f| **f).count();
-    // Each wanders six times, settles five times, and is exchanged.
+    // Each element walks six times, is separated five times, and is exchanged.
     vtex_testing::StopAfter::check(4 * free, |progress| place(&library, &params, progress));
 }
 

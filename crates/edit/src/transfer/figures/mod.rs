@@ -1,3 +1,3 @@
-//! The figures of docs/measurements/composable.md.
+//! Measures the figures of docs/measurements/composable.md.
 
 mod tests;

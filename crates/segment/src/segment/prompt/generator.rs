@@ -283,7 +283,7 @@ impl ViewSearch<'_> {
             }
             let confident: Vec<&Proposal> =
                 self.kept.iter().filter(|p| p.score() >= self.params.confident).collect();
-            // Found on all threads, kept with the proposals.
+            // Pixels are computed on all threads and stored in the proposals.
             map(&confident, |proposal| {
                 self.mask(proposal);
             });

@@ -1,6 +1,6 @@
 //! The merge tree: the order in which regions are merged, and the measurements of each node.
 //!
-//! Sums are kept only for regions that still grow. A node is measured when it becomes part of another.
+//! Sums are stored only for regions that still grow. A node is measured when it becomes part of another.
 
 use super::oversegmentation::GradientImage;
 use rustc_hash::FxHashMap;
@@ -11,9 +11,10 @@ use vtex_base::progress::{Progress, advance};
 
 /// Bins of the histogram of gradients along a rim. Each is twice as wide as the previous one, from 0.25.
 pub(super) const BINS: usize = 8;
-/// Area in pixels below which regions are cheaper to merge …
+/// Area in pixels below which the weight of a merge is reduced, by the ratio of the smaller area to it raised
+/// to [`SMALL_POWER`].
 const SMALL: f32 = 400.0;
-/// … by the ratio of their area to it, raised to this power.
+/// Exponent of that ratio.
 const SMALL_POWER: f32 = 0.35;
 
 /// Sums over the pixels of a region. They add up under union.
@@ -274,7 +275,7 @@ impl Queue {
         let mut queue =
             Self { heap: BinaryHeap::new(), bins: vec![Vec::new(); 1 << (32 - BIN)], taken: 0, least };
         for e in 0..queue.least.len() {
-            queue.wait(queue.least[e], e as u32);
+            queue.enqueue(queue.least[e], e as u32);
         }
         queue
     }
@@ -288,10 +289,10 @@ impl Queue {
 
     fn push(&mut self, border: u32, weight: f32) {
         self.least[border as usize] = weight.to_bits();
-        self.wait(weight.to_bits(), border);
+        self.enqueue(weight.to_bits(), border);
     }
 
-    fn wait(&mut self, bits: u32, border: u32) {
+    fn enqueue(&mut self, bits: u32, border: u32) {
         let bin = (bits >> BIN) as usize;
         if bin < self.taken {
             self.heap.push(Reverse((bits, border)))

@@ -217,7 +217,7 @@ impl Segmenter for Regions {
 }
 
 /// The built-in segmenter with the middle one of its trees only: it finds fewer elements in half the time. It
-/// suits pictures that are only drawn, not edited.
+/// is used by `vectorize`, whose pictures are drawn but not edited.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct OneTree;
 

@@ -160,7 +160,7 @@ mod tests {
 
     #[test]
     fn shallow_basins_are_united_and_counted() {
-        // Two slopes with a step between them, and ripples much lower than it.
+        // Two slopes with a step between them, and ripples much lower than the step.
         let image = RgbImage::from_fn(60, 20, |x, y| {
             let ripple = ((x * 7 + y * 13) % 5) as u8 / 3;
             image::Rgb([if x < 30 { 90 } else { 160 } + ripple; 3])

@@ -5,8 +5,8 @@
 //! multiplications read the maps themselves. For kernels of 3 × 3 weights applied to every cell, which
 //! are most, a quarter of them is enough (`winograd.rs`).
 //!
-//! Every sum is taken in the same order, so results do not depend on threads, nor, among processors that
-//! multiply and add in one step, on the width of their vectors.
+//! All sums have a fixed order, so results depend neither on threads nor on the width of vectors, given a
+//! processor with fused multiply-add.
 
 use super::maps::FeatureMaps;
 use super::matrix::{Matrix, SumStorage, TOGETHER, multiply};
@@ -33,9 +33,10 @@ pub(super) struct Convolution {
 }
 
 impl Convolution {
-    /// From weights of shape outputs × inputs × `side` × `side` (`side` 1 or 3) and a bias for each output, of
-    /// which there are whole vectors. It is applied at every `step`-th cell and row; its weights are `dilation` cells
-    /// apart, 1 where they are applied directly.
+    /// Prepares a convolution from weights of shape outputs × inputs × `side` × `side` (`side` 1 or 3) and a
+    /// bias for each output. The number of outputs is a multiple of the length of a vector. The convolution
+    /// is applied at every `step`-th cell and row, with weights `dilation` cells apart. Direct convolutions
+    /// have a dilation of 1.
     pub(super) fn new(weights: &[f32], bias: &[f32], side: usize, step: usize, dilation: usize) -> Self {
         let (outputs, taps) = (bias.len(), side * side);
         let inputs = weights.len() / (outputs * taps);
@@ -60,8 +61,8 @@ impl Convolution {
         output
     }
 
-    /// Some of the rows, of a convolution at every cell. Sums are those of [`Convolution::of`] if the first row
-    /// is a multiple of [`winograd::TILE`] times the dilation.
+    /// Some rows of a convolution that is applied at every cell. The sums equal those of [`Convolution::of`]
+    /// if the first row is a multiple of [`winograd::TILE`] times the dilation.
     pub(super) fn of_rows(&self, input: &FeatureMaps, rows: Range<usize>) -> FeatureMaps {
         let mut output = FeatureMaps::zeros(self.bias.len(), input.width, rows.len());
         self.run(input, &mut output, rows.start, false);
@@ -167,7 +168,7 @@ mod tests {
         FeatureMaps::of(channels, width, height, values(channels * width * height, seed))
     }
 
-    /// The sums of a cell as the definition has them, in double precision.
+    /// The sums of a cell by definition, in double precision.
     fn sums(
         weights: &[f32],
         input: &FeatureMaps,
@@ -202,7 +203,7 @@ mod tests {
             seed in any::<u32>(),
         ) {
             let [inputs, outputs] = [inputs, outputs].map(|n| n * WIDE);
-            // Small, as trained ones are, so that sums are about 1.
+            // Weights are small, like trained ones, so that sums are about 1.
             let weights: Vec<f32> =
                 values(outputs * inputs * side * side, seed).iter().map(|v| v / 8.0).collect();
             let bias = values(outputs, !seed);

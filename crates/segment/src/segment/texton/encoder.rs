@@ -1,7 +1,7 @@
 //! The encoder of the texton network: image → embedding. `tools/texton/network.py` is its definition, and
 //! `encoder.onnx` holds its weights, with normalisation folded in.
 //!
-//! It needs no engine, so masks do not depend on what is installed. Tests compare it with the exported
+//! It needs no engine, so masks do not depend on installed software. Tests compare it with the exported
 //! graph.
 
 use super::convolution::Convolution;
@@ -145,7 +145,7 @@ impl TextonEncoder {
         up3.join(x4, &mut x3);
         up2.join(x3, &mut x2);
         up1.join(x2, &mut x1);
-        // The last two are computed together, a band at a time, because they would take the most memory.
+        // The last two convolutions are computed together, in bands, because they take the most memory.
         let mut out = FeatureMaps::zeros(CHANNELS, x1.width, x1.height);
         for first in (0..out.height).step_by(BAND) {
             let rows = first..out.height.min(first + BAND);

@@ -289,7 +289,7 @@ fn quantile(values: &mut [f32]) -> f32 {
     if values.is_empty() { 0.0 } else { *values.select_nth_unstable_by(at, f32::total_cmp).1 }
 }
 
-/// Sums over a mask's pixels. Pairs are values at the fine and at the coarse scale.
+/// Sums over a mask's pixels; arrays of two hold the values at the fine and the coarse scale.
 struct Inside {
     area: f32,
     elongation: f32,

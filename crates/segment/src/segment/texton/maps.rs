@@ -2,7 +2,7 @@
 
 use vtex_base::parallel::for_chunks;
 
-/// Number of which channels are a multiple: the values of the widest vectors.
+/// The number of channels is a multiple of this: the length of the widest vectors.
 pub(super) const WIDE: usize = 16;
 
 /// Maps of the same size, one for each channel.
@@ -57,7 +57,7 @@ impl FeatureMaps {
 
     /// Adds maps of half the size, enlarged by linear interpolation.
     pub(super) fn add_enlarged(&mut self, half: &Self) {
-        // The cell that is nearest, and the one that is next to it on the other side.
+        // The nearest cell, and the next one on the other side of the sample.
         let next = |v: usize, n: usize| {
             if v.is_multiple_of(2) { (v / 2).saturating_sub(1) } else { (v / 2 + 1).min(n - 1) }
         };

@@ -18,11 +18,11 @@ pub(super) struct Matrix {
 }
 
 impl Matrix {
-    /// From the weight of each input and output. Inputs beyond these, up to a multiple of [`WIDE`], have
-    /// weight 0.
+    /// Prepares a matrix from the weight of each input and output. Inputs are padded to a multiple of
+    /// [`WIDE`] with weight 0.
     pub(super) fn new(inputs: usize, outputs: usize, weight: impl Fn(usize, usize) -> f32) -> Self {
         let lanes = Lanes.dispatch();
-        // AVX2 has half as many registers as the others have.
+        // AVX2 has half as many registers as the other instruction sets.
         let most = if lanes == 8 { 3 } else { 4 };
         let vectors = (1..=most).rev().find(|n| outputs.is_multiple_of(n * lanes)).unwrap_or(1);
         let size = vectors * lanes;
@@ -59,7 +59,7 @@ impl SimdOp for Lanes {
 }
 
 /// Adds to `sums`, for each cell, the products of its inputs with a strip of weights.
-// There are no closures here, because one that is not inlined is not vectorized.
+// No closures, because a closure that is not inlined is not vectorized.
 #[inline(always)]
 pub(super) fn multiply<I: Isa, const V: usize>(
     isa: I,

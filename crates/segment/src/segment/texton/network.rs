@@ -149,7 +149,7 @@ impl Embedding {
 /// An embedded image.
 pub(super) struct EmbeddedImage {
     pub(super) embedding: Embedding,
-    /// The part of each cell in the logits of any mask.
+    /// The term of each cell in the logits, which is the same for all masks.
     texton: Vec<f32>,
     /// Least predicted IoU of a mask.
     least_iou: f32,
@@ -186,7 +186,7 @@ impl<'a> Prompt<'a> {
             let predicted_iou = 1.0 / (1.0 + libm::expf(-h[3]));
             // The heads' initial offsets range from tight to loose.
             let offset = h[2] + 3.0 + k as f32 - (HEADS - 1) as f32 / 2.0;
-            // A NaN fails both.
+            // A NaN fails both conditions.
             let may_be = predicted_iou >= view.least_iou && offset + view.texton[cell] > 0.0;
             let slopes = || [softplus(h[0]), softplus(h[1] + 1.0)];
             may_be.then(|| Head { predicted_iou, slopes: slopes(), offset })
@@ -209,7 +209,7 @@ impl<'a> Prompt<'a> {
     }
 }
 
-/// Where a search over cells has been, for many searches one after the other.
+/// The cells that a search has visited, reused by successive searches.
 struct VisitedCells {
     turns: Vec<u32>,
     turn: u32,

@@ -1,4 +1,5 @@
-//! The texton network in its engine, and the segmenter on generated scenes and unusual images.
+//! The texton network compared with its exported graph, and the segmenter on generated scenes and unusual
+//! images.
 
 use super::*;
 use crate::engine::{self, Engine, EngineOptions, NetworkSource, Runtime, Tensor};
@@ -74,7 +75,7 @@ fn decoding_agrees_with_the_graph() {
                         l.values[y * l.width + x],
                         logits[head * w * h + (corner[1] + y) * w + corner[0] + x],
                     );
-                    // Cells far from the mask are not evaluated.
+                    // Cells far from the mask are not evaluated, so they are not compared.
                     if here > -7.9 {
                         assert!((here - there).abs() < 2e-3 * (1.0 + there.abs()), "{here} {there}");
                         compared += 1;
@@ -90,7 +91,7 @@ fn decoding_agrees_with_the_graph() {
 #[test]
 fn pieces_join_without_a_seam() {
     let network = TextonNetwork::built_in().unwrap();
-    // One row of pieces; the middle is far from both of its borders.
+    // There is one row of pieces, and the middle is far from their borders.
     let image =
         generate(&SceneParams { width: 2000, height: 32, seed: 4, ..SceneParams::default() }).unwrap().image;
     let whole = network.view(&image, 0.0).embedding;
@@ -160,7 +161,7 @@ fn work_can_be_interrupted() {
     assert!(matches!(answer, Err(vtex_base::Error::Interrupted)));
 }
 
-/// The features that the segmenter reads itself are those of the candidate's source.
+/// The indices of features that the segmenter uses are those of the candidate's source.
 #[test]
 fn nodes_have_a_score_and_masks_a_prediction() {
     let image = scene(128, 5, SceneKind::Terrazzo).image;

@@ -3,7 +3,7 @@
 //!
 //! A tile's surroundings of 6 × 6 cells are transformed, multiplied by transformed weights and transformed
 //! back; F(4×4, 3×3) of Lavin and Gray, "Fast Algorithms for Convolutional Neural Networks" (2016), section
-//! 4.1. Weights some cells apart take tiles whose cells are as far apart.
+//! 4.1. With dilation, the cells of a tile are as far apart as the weights.
 
 use super::maps::{FeatureMaps, WIDE};
 use super::matrix::{Matrix, SumStorage, TOGETHER, multiply};
@@ -18,7 +18,7 @@ const SIDE: usize = TILE + 2;
 const PRODUCTS: usize = SIDE * SIDE;
 /// Number of values that the tiles computed together may have: as many as stay in a processor's cache.
 const VALUES: usize = 1 << 17;
-/// Number of tiles that share the memory for these, where there are enough rows.
+/// Number of tiles that share this memory, if there are enough rows.
 const TILES: usize = 256;
 
 /// The matrices of weights of shape `outputs` × `inputs` × 3 × 3, one for each product.
@@ -41,8 +41,8 @@ fn transformed(weights: &[f32; 9]) -> [[f32; SIDE]; SIDE] {
     std::array::from_fn(|y| line([0, 1, 2].map(|x| columns[x][y])))
 }
 
-/// Distance between the values of two products of as many tiles: more than these values, else those of one
-/// tile share few places in a processor's cache.
+/// Distance in memory between the values of two products of some tiles. It exceeds the number of these
+/// values, because otherwise the values of a tile compete for the same lines of the cache.
 fn stride(tiles: usize, channels: usize) -> usize {
     tiles * channels + WIDE
 }
@@ -60,7 +60,7 @@ pub(super) struct Tiles<'a> {
 impl Tiles<'_> {
     pub(super) fn run(&self, output: &mut FeatureMaps) {
         let (width, height) = (output.width, output.height);
-        // Rows of tiles that are cells apart lie between one another and are done together.
+        // With dilation, rows of tiles interleave and are computed together.
         let band = TILE * self.dilation;
         let (wide, high) = (width.div_ceil(band) * self.dilation, height.div_ceil(band));
         let bands = TILES.div_ceil(wide).min(high.div_ceil(8)).max(1);
@@ -143,14 +143,14 @@ impl TileBatch<'_> {
                     for i in 0..SIDE {
                         line[i] = ops.load(&cells[i][j][c..]);
                     }
-                    columns[j] = forth(isa, line);
+                    columns[j] = transformed_input(isa, line);
                 }
                 for i in 0..SIDE {
                     let mut line = [ops.zero(); SIDE];
                     for j in 0..SIDE {
                         line[j] = columns[j][i];
                     }
-                    let line = forth(isa, line);
+                    let line = transformed_input(isa, line);
                     for j in 0..SIDE {
                         let to = (i * SIDE + j) * stride + tile * channels + c;
                         ops.store(line[j], &mut self.surroundings[to..]);
@@ -228,9 +228,9 @@ impl TileBatch<'_> {
     }
 }
 
-/// A line of a tile's surroundings transformed.
+/// Transforms a line of a tile's surroundings.
 #[inline(always)]
-fn forth<I: Isa>(isa: I, [a, b, c, d, e, f]: [I::F32; SIDE]) -> [I::F32; SIDE] {
+fn transformed_input<I: Isa>(isa: I, [a, b, c, d, e, f]: [I::F32; SIDE]) -> [I::F32; SIDE] {
     let ops = isa.f32();
     let [two, four] = [ops.splat(2.0), ops.splat(4.0)];
     let [less_4, less_5] = [ops.splat(-4.0), ops.splat(-5.0)];
@@ -246,7 +246,7 @@ fn forth<I: Isa>(isa: I, [a, b, c, d, e, f]: [I::F32; SIDE]) -> [I::F32; SIDE] {
     ]
 }
 
-/// A line of products transformed back.
+/// Transforms a line of products back.
 #[inline(always)]
 fn back<I: Isa>(isa: I, [a, b, c, d, e, f]: [I::F32; SIDE]) -> [I::F32; TILE] {
     let ops = isa.f32();

@@ -55,7 +55,9 @@ impl Shown<'_> {
             {
                 let last = self.run(&batch[batch.len() - 1..])?;
                 match self.run(batch) {
-                    Ok(answers) if answers.last().zip(last.first()).is_some_and(|(a, b)| alike(a, b)) => {
+                    Ok(answers)
+                        if answers.last().zip(last.first()).is_some_and(|(a, b)| nearly_equal(a, b)) =>
+                    {
                         together.state.store(WORKS, Ordering::Release);
                         masks.extend(answers);
                     }
@@ -165,7 +167,7 @@ impl Shown<'_> {
 }
 
 /// Whether two answers are equal up to rounding.
-fn alike(a: &[PromptMask], b: &[PromptMask]) -> bool {
+fn nearly_equal(a: &[PromptMask], b: &[PromptMask]) -> bool {
     a.len() == b.len()
         && a.iter().zip(b).all(|(a, b)| {
             let same = |x: f32, y: f32| (x - y).abs() <= 1e-2 * (1.0 + x.abs().max(y.abs()));

@@ -25,7 +25,7 @@ pub(super) struct Total {
 
 impl Total {
     /// Prints the outcome of all jobs: a line of JSON, or a table.
-    pub(super) fn tell(&self, common: &Common, records: &[Record]) -> anyhow::Result<()> {
+    pub(super) fn print(&self, common: &Common, records: &[Record]) -> anyhow::Result<()> {
         if common.json {
             return print(format!("{}\n", serde_json::to_string(self)?).as_bytes());
         }
@@ -48,7 +48,7 @@ impl Total {
 }
 
 /// Prints the outcome of a job.
-pub(super) fn tell(common: &Common, record: &Record) -> anyhow::Result<()> {
+pub(super) fn print_record(common: &Common, record: &Record) -> anyhow::Result<()> {
     if common.json {
         return print(format!("{}\n", serde_json::to_string(record)?).as_bytes());
     }
