@@ -14,7 +14,7 @@ export class View {
   redrawn = null;
   texture = null;
   /** Outlines of elements, in pixels of the photograph. */
-  elements = { size: [1, 1], paths: [], categories: [] };
+  elements = { size: [1, 1], paths: [], places: [], categories: [] };
   selected = new Set();
   hovered = -1;
   tool = null;
@@ -120,6 +120,8 @@ export class View {
       if (this.mode === "elements") this.paintElements();
     }
     this.paintTool();
+    // What lies where, for those who look at the page from outside.
+    Object.assign(canvas.dataset, { zoom: this.zoom, left: this.x, top: this.y, elements: this.elements.paths.length });
   }
 
   paintPicture(picture) {
@@ -369,6 +371,10 @@ export class View {
     }
     const next = event.key === "n" ? this.hovered + 1 : this.hovered - 1;
     this.hovered = (next + count) % count;
+    // It is brought into sight.
+    const [x, y] = this.elements.places[this.hovered].map((v, i) => v * this.zoom + [this.x, this.y][i]);
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    if (x < 0 || y < 0 || x > width || y > height) this.pan(width / 2 - x, height / 2 - y);
     this.draw();
   }
 }

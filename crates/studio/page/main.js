@@ -145,9 +145,9 @@ function loadPictures(work) {
   const categories = `${found} ${work.analysis?.primaries} ${state.busy}`;
   if (work.elements && shown.elements !== categories) {
     shown.elements = categories;
-    askJson("elements").then(({ version, size, outlines, categories }) => {
+    askJson("elements").then(({ version, size, outlines, places, categories }) => {
       if (version !== view.elements.version) { view.selected.clear(); view.hovered = -1; }
-      view.elements = { version, size, paths: outlines.map(path => new Path2D(path)), categories };
+      view.elements = { version, size, places, paths: outlines.map(path => new Path2D(path)), categories };
       mend.show(state.work);
       view.draw();
     }, () => { shown.elements = ""; });

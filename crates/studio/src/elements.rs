@@ -119,6 +119,15 @@ impl ElementMasks {
         outlines.iter().skip(1).map(|o| write_path(o.path(), PathText { precision: 1 })).collect()
     }
 
+    /// A place within each element, in the middle of its widest row.
+    pub fn places(&self) -> Vec<[f64; 2]> {
+        let place = |mask: &Mask| {
+            let widest = mask.spans().iter().rev().max_by_key(|span| span.len());
+            widest.map_or([0.0; 2], |s| [f64::from(s.x0 + s.x1) / 2.0, f64::from(s.y) + 0.5])
+        };
+        self.masks.iter().map(place).collect()
+    }
+
     /// Mends the elements.
     ///
     /// # Errors
@@ -417,6 +426,7 @@ mod tests {
         assert_eq!(outlines.len(), 3);
         assert!(outlines.iter().all(|path| path.starts_with('m') && path.ends_with('z')), "{outlines:?}");
         assert!(ElementMasks::new([5, 5], []).outlines().is_empty());
+        assert_eq!(three().places(), [[7.0, 2.5], [25.0, 2.5], [47.5, 20.5]]);
     }
 
     proptest! {

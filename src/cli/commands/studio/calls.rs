@@ -380,7 +380,7 @@ fn elements(session: &Arc<Session>) -> Answered {
         let one = active(&work)?;
         let (Some(elements), Some(size)) = (one.elements.clone(), one.opened.size) else {
             return Ok(StudioAnswer::json(
-                &json!({ "version": 0, "size": [1, 1], "outlines": [], "categories": [] }),
+                &json!({ "version": 0, "size": [1, 1], "outlines": [], "places": [], "categories": [] }),
             ));
         };
         let found: Option<Vec<_>> = one.kept.library.as_ref().map(|library| {
@@ -391,7 +391,7 @@ fn elements(session: &Arc<Session>) -> Answered {
     };
     let outlines = on_threads(session.threads, || Ok(elements.outlines()))?;
     Ok(StudioAnswer::json(
-        &json!({ "version": version, "size": size, "outlines": outlines, "categories": categories }),
+        &json!({ "version": version, "size": size, "outlines": outlines, "places": elements.places(), "categories": categories }),
     ))
 }
 
