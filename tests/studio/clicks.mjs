@@ -148,11 +148,15 @@ async function photograph() {
   await page.setViewportSize({ width: 1280, height: 720 });
 
   // Killed and started again, it goes on.
+  await studio.tab("save");
+  await page.check("[name=format][value=svg]");
+  await page.waitForFunction(() => document.querySelector("#lines").textContent.includes("edited.svg"));
   const before = await page.textContent("#lines");
   const work = (await studio.state()).work;
   await studio.kill();
   studio.faults = studio.faults.filter(fault => !/ERR_|Failed to load/.test(fault));
-  await studio.made(() => studio.run(["terrazzo.png"]));
+  await studio.run(["terrazzo.png"]);
+  await studio.until(({ work, busy }) => !busy && work?.texture && !work.texture.draft);
   await page.waitForFunction(before => document.querySelector("#lines").textContent === before, before);
   const after = (await studio.state()).work;
   assert.deepEqual([after.options, after.operations, after.seed, after.mended], [work.options, work.operations, work.seed, work.mended]);

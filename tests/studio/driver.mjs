@@ -10,7 +10,7 @@ import { chromium } from "playwright-core";
 
 const { VTEX, BROWSER, PICTURES } = process.env;
 const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
-const LONG = 120_000;
+const LONG = 60_000;
 
 /** A folder, the program in it, and a page that is open in a browser. */
 export class Studio {
@@ -62,7 +62,10 @@ export class Studio {
   async until(holds) {
     const end = Date.now() + LONG;
     while (!holds(await this.state())) {
-      if (Date.now() > end) throw new Error(`the state does not become so: ${holds}`);
+      if (Date.now() > end) {
+        const told = await this.page.textContent("#notices");
+        throw new Error(`the state does not become so: ${holds}; the page says: ${told || "nothing"}`);
+      }
       await new Promise(done => setTimeout(done, 15));
     }
   }

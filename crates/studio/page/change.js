@@ -1,7 +1,7 @@
 // The tab Change: colours of categories, and the operations of `vtex edit`.
 
 import { tell } from "./server.js";
-import { fill, make, throttled } from "./dom.js";
+import { explanation, fill, make, throttled } from "./dom.js";
 import { control } from "./knobs.js";
 
 const RECOLOUR = /^recolor --from (#[0-9a-f]{6}) --to (#[0-9a-f]{6}) --reach 2 --where category=(\d+)$/;
@@ -99,7 +99,7 @@ export class Change {
       return make("div", { className: "knob" },
         make("div", { className: "head" }, make("label", { for: id, textContent: knob.name }), knob.kind === "switch" ? parts[0] : null),
         knob.kind === "switch" ? null : make("div", { className: "control" }, ...parts),
-        make("p", { className: "words", id: `${id}-words`, textContent: knob.takes ? `${knob.words} [${knob.takes}]` : knob.words }));
+        explanation(`${id}-words`, knob.takes ? `${knob.words} [${knob.takes}]` : knob.words));
     });
     const layers = this.work.texture?.layers ?? [], categories = this.work.texture?.categories ?? [];
     const option = (value, text) => make("option", { value, textContent: text });
@@ -114,7 +114,7 @@ export class Change {
     fill(this.adding, make("h2", { textContent: "Add an operation" }),
       make("form", { className: "form", onsubmit: event => { event.preventDefault(); add(); } },
         make("div", { className: "knob" }, make("div", { className: "head" }, make("label", { for: "operation", textContent: "Operation" })),
-          make("div", { className: "control" }, select), make("p", { className: "words", id: "operation-words", textContent: operation.words })),
+          make("div", { className: "control" }, select), explanation("operation-words", operation.words)),
         ...knobs,
         make("div", { className: "knob" }, make("div", { className: "head" }, make("label", { for: "which", textContent: "Done to" })), make("div", { className: "control" }, which)),
         make("div", { className: "row" }, make("button", { type: "submit", className: "primary", textContent: "Add" }))));

@@ -15,6 +15,11 @@ export function make(tag, properties = {}, ...children) {
   return element;
 }
 
+/** What explains a control; it is referred to by its id. */
+export function explanation(id, text) {
+  return make("p", { className: "words", id }, make("span", { textContent: text }));
+}
+
 /** Replaces the children of an element, and keeps the focus on the one with the same `data-key`. */
 export function fill(parent, ...children) {
   const key = parent.contains(document.activeElement) ? document.activeElement.dataset.key : undefined;

@@ -1,7 +1,7 @@
 // The tab Steer: seed, variants, and every option with the words and the range that the program has for it.
 
 import { ask, tell } from "./server.js";
-import { fill, find, make, throttled } from "./dom.js";
+import { explanation, fill, make, throttled } from "./dom.js";
 
 /** Options that lie open; others are under a heading that opens. */
 const CLOSED = new Set(["Analysis", "File"]);
@@ -63,7 +63,7 @@ export function row(knob, value, onset, { id, parts }) {
   return make("div", { className: set ? "knob set" : "knob" },
     make("div", { className: "head" }, make("label", { for: id, textContent: words(knob.name) }), inline ? parts[0] : null, reset),
     inline ? null : make("div", { className: "control" }, ...parts),
-    make("p", { className: "words", id: `${id}-words`, textContent: `${knob.words} [${knob.takes}]` }));
+    explanation(`${id}-words`, `${knob.words} [${knob.takes}]`));
 }
 
 /** The canvas in pixels or millimetres. */
@@ -211,7 +211,7 @@ export class Steer {
         make("div", { className: "head" }, make("span", { className: "label", textContent: title }),
           make("button", { type: "button", textContent: name ? "Change…" : "Choose…", "aria-label": `${title}: choose a file`, onclick: () => input.click() }),
           name ? make("button", { type: "button", className: "plain", textContent: "Reset", "aria-label": `Reset ${title}`, onclick: () => tell("side", new Blob([]), { option }) }) : null),
-        input, make("p", { className: "words", textContent: name ? `${name}. ${words}` : words }));
+        input, explanation(`${option}-words`, name ? `${name}. ${words}` : words));
     };
     return [
       file("domain", "Shape to fill", "An SVG, whose filled shapes are fitted to the canvas", ".svg,image/svg+xml"),

@@ -194,6 +194,7 @@ function showSave(work) {
       make("h2", { textContent: "Kept" }), make("p", { id: "kept" }),
       make("div", { className: "row" }, make("button", { type: "button", textContent: "Begin anew", title: "All that was set goes; undo brings it back", onclick: () => tell("anew") })));
   }
+  find("save-now").textContent = `Save ${FORMATS.find(([value]) => value === format)[1]}`;
   find("scale-row").hidden = format !== "png";
   const possible = value => value === "library" ? Boolean(work.analysis) && work.kind !== "library" : true;
   for (const input of document.getElementsByName("format")) input.disabled = !possible(input.value);

@@ -202,7 +202,14 @@ fn hostile(server: &Running) -> Vec<(String, Vec<String>, &'static str, u16)> {
         (format!("GET /{token}/api/state?name=%ff"), vec![host.clone()], "", 400),
     ];
     // Paths out of the page's files.
-    for path in ["../Cargo.toml", "..%2f..%2fetc/passwd", "%2e%2e/%2e%2e/etc/passwd", "/etc/passwd", "api", "page/main.js"] {
+    for path in [
+        "../Cargo.toml",
+        "..%2f..%2fetc/passwd",
+        "%2e%2e/%2e%2e/etc/passwd",
+        "/etc/passwd",
+        "api",
+        "page/main.js",
+    ] {
         all.push((format!("GET /{token}/{path}"), vec![host.clone()], "", 404));
     }
     all
@@ -230,7 +237,9 @@ fn what_is_no_request_harms_nobody() {
     let many = format!("GET / HTTP/1.1\r\n{}\r\n", "a: b\r\n".repeat(5000));
     let both = format!(
         "POST /{}/api/set HTTP/1.1\r\n{}\r\n{}\r\ncontent-length: 3\r\ntransfer-encoding: chunked\r\n\r\n0\r\n\r\nGET / HTTP/1.1\r\n\r\n",
-        server.token, server.host(), server.origin()
+        server.token,
+        server.host(),
+        server.origin()
     );
     let noise: Vec<u8> = (0..4096u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 13) as u8).collect();
     for bytes in [
@@ -265,7 +274,9 @@ fn bodies_end_at_their_bounds() {
     let chunk = format!("3e8\r\n{}\r\n", "y".repeat(1000));
     let head = format!(
         "POST /{}/api/set HTTP/1.1\r\n{}\r\n{}\r\ntransfer-encoding: chunked\r\n\r\n",
-        server.token, server.host(), server.origin()
+        server.token,
+        server.host(),
+        server.origin()
     );
     assert_eq!(server.raw(format!("{head}{}0\r\n\r\n", chunk.repeat(11)).as_bytes()).0, 413);
     assert_eq!(server.calls(), 2);
