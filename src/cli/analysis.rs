@@ -121,7 +121,7 @@ impl Analysis {
 /// Photograph or drawing → library; saves the masks if requested.
 pub(crate) fn analyze(common: &Common, analysis: &Analysis, reporter: &Reporter) -> anyhow::Result<Library> {
     reporter.stage("reading")?;
-    library_of(common, analysis, analysis.input.read()?, reporter)
+    library_of(common, analysis, (analysis.input.read()?, None), reporter)
 }
 
 /// Any texture as a scene: a scene is unchanged; a library, and the library made of a photograph or drawing,
@@ -129,16 +129,16 @@ pub(crate) fn analyze(common: &Common, analysis: &Analysis, reporter: &Reporter)
 pub(crate) fn texture(common: &Common, analysis: &Analysis, reporter: &Reporter) -> anyhow::Result<Scene> {
     let bytes = analysis.input.read()?;
     if matches!(input::InputKind::of(&bytes), input::InputKind::Image | input::InputKind::Svg) {
-        return Ok(reconstruct(&library_of(common, analysis, bytes, reporter)?));
+        return Ok(reconstruct(&library_of(common, analysis, (bytes, None), reporter)?));
     }
     reading::texture_of(bytes, &analysis.input)
 }
 
-/// The library of the bytes of a photograph or a drawing.
-fn library_of(
+/// The library of the bytes of a photograph or a drawing. `found` has the masks, if they are known already.
+pub(crate) fn library_of(
     common: &Common,
     analysis: &Analysis,
-    bytes: Vec<u8>,
+    (bytes, found): (Vec<u8>, Option<Box<dyn Segmenter>>),
     reporter: &Reporter,
 ) -> anyhow::Result<Library> {
     let wanted = [input::InputKind::Image, input::InputKind::Svg, input::InputKind::Unknown];
@@ -167,7 +167,10 @@ fn library_of(
     if let Some(painted) = &analysis.layers.painted {
         exemplar.layers = Some(layer_maps::read(painted)?.layers()?);
     }
-    let segmenter = segmenter(common, analysis, reporter)?;
+    let segmenter = match found {
+        Some(found) => found,
+        None => segmenter(common, analysis, reporter)?,
+    };
     let saving = Saving { segmenter, place: analysis.save_masks.as_ref() };
     let joins = || analysis.looks_at_borders && borders_join(&exemplar.image);
     let wrap = analysis.wrap.unwrap_or_else(joins);

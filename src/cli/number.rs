@@ -58,3 +58,11 @@ pub(crate) fn within<T: Number>(parameter: Parameter<T>) -> impl Fn(&str) -> Res
         value.ok_or_else(|| format!("expected {parameter}"))
     }
 }
+
+/// The range at the beginning of what an option takes, as [`Takes::number`] writes it.
+#[cfg(feature = "studio")]
+pub(crate) fn range_of(takes: &str) -> Option<[f64; 2]> {
+    let (least, rest) = takes.split_once(" to ")?;
+    let most = rest.split([' ', ',']).next()?;
+    Some([least.parse().ok()?, most.parse().ok()?])
+}

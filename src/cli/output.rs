@@ -25,12 +25,40 @@ use vtex::output::{pdf, png, svg};
 use vtex::scene::Scene;
 use vtex::{Error, Result};
 
-/// A file or standard output.
+/// A file, standard output or memory.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Destination {
     Stdout,
-    File { path: PathBuf, force: bool },
+    File {
+        path: PathBuf,
+        force: bool,
+    },
+    #[cfg(feature = "studio")]
+    Memory(Buffer),
 }
+
+/// Bytes in memory, which all copies share.
+#[cfg(feature = "studio")]
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Buffer(std::sync::Arc<Mutex<Vec<u8>>>);
+
+#[cfg(feature = "studio")]
+impl Buffer {
+    /// The bytes, of which none are left.
+    pub(crate) fn take(&self) -> Vec<u8> {
+        std::mem::take(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+}
+
+#[cfg(feature = "studio")]
+impl PartialEq for Buffer {
+    fn eq(&self, other: &Self) -> bool {
+        std::sync::Arc::ptr_eq(&self.0, &other.0)
+    }
+}
+
+#[cfg(feature = "studio")]
+impl Eq for Buffer {}
 
 /// A place and the kind of its content.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -110,6 +138,8 @@ impl Destination {
         match self {
             Self::Stdout => Path::new("-"),
             Self::File { path, .. } => path,
+            #[cfg(feature = "studio")]
+            Self::Memory(_) => Path::new("memory"),
         }
     }
 
@@ -156,6 +186,15 @@ impl Destination {
                 out.flush().map_err(fail)?;
                 Ok((value, out.count))
             }),
+            #[cfg(feature = "studio")]
+            Self::Memory(buffer) => {
+                let fail = |e| Error::write(self.path(), e);
+                let mut out = Sealed::new(StoppableByteCounter::new(Vec::new()));
+                let value = content(&mut out).map_err(fail)?;
+                let StoppableByteCounter { out, count } = out.finish().map_err(fail)?;
+                *buffer.0.lock().unwrap_or_else(PoisonError::into_inner) = out;
+                Ok((value, count))
+            }
             Self::File { path, force } => write_file(path, *force, |out| {
                 let mut out = StoppableByteCounter::new(out);
                 let value = content(&mut out)?;

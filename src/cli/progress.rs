@@ -21,6 +21,8 @@ pub(crate) struct Reporter {
     talks: bool,
     debug_folder: Option<PathBuf>,
     state: Mutex<ReportedState>,
+    /// Who hears of everything too, and may stop the work.
+    listener: Option<Arc<dyn Progress + Send>>,
     /// Shared with the bar, which asks it at every tick.
     whole: Arc<Mutex<TotalProgress>>,
     start: Instant,
@@ -254,10 +256,23 @@ impl Reporter {
             bar: ProgressBar::with_draw_target(None, target),
             talks,
             debug_folder: common.debug_folder.clone(),
+            listener: None,
             state: Mutex::new(state),
             whole: Arc::default(),
             start: Instant::now(),
         })
+    }
+
+    /// A reporter that prints nothing and passes on what it hears.
+    ///
+    /// # Errors
+    /// None of its own.
+    #[cfg(feature = "studio")]
+    pub(crate) fn listening(common: &Common, listener: Arc<dyn Progress + Send>) -> Result<Self> {
+        let silent = Common { quiet: true, debug_folder: None, ..common.clone() };
+        let mut reporter = Self::new(&silent)?;
+        reporter.listener = Some(listener);
+        Ok(reporter)
     }
 
     /// Sets the plan, from which the bar estimates the duration.
@@ -371,7 +386,9 @@ impl Progress for Reporter {
             self.bar.set_message(stage);
         }
         self.whole().steps = (done, total);
-        state.failure.is_none() && !interrupt::is_requested()
+        let goes_on = state.failure.is_none() && !interrupt::is_requested();
+        drop(state);
+        goes_on && self.listener.as_ref().is_none_or(|listener| listener.advance(stage, done, total))
     }
 
     fn warn(&self, message: &str) {
@@ -380,6 +397,7 @@ impl Progress for Reporter {
             return;
         }
         state.warnings.push(message.to_owned());
+        self.listener.iter().for_each(|listener| listener.warn(message));
         self.talk("warning", AnsiColor::Yellow, message);
     }
 

@@ -10,15 +10,16 @@ use vtex::library::Library;
 use vtex::scene::{Method, Scene, SynthParams};
 use vtex::synth::{Controls, StructureGuide, layer_map, reconstruct};
 
-/// Reads the files that steer the synthesis of a number of libraries.
+/// Reads the files that steer the synthesis of a number of libraries; `bytes` are those of a file.
 pub(crate) fn controls(
     steering: &Steering,
     parameters: &SynthParams,
     libraries: usize,
+    bytes: &dyn Fn(&Input) -> vtex::Result<Vec<u8>>,
 ) -> anyhow::Result<Controls> {
     let canvas = [parameters.width, parameters.height];
     let read = |file: &Input, wanted, hint: &str| -> anyhow::Result<(String, Vec<u8>)> {
-        let bytes = file.read()?;
+        let bytes = bytes(file)?;
         InputKind::expect(&bytes, file, &[wanted, InputKind::Unknown])
             .map_err(|failure| failure.hint(hint))?;
         Ok((file.name(), bytes))

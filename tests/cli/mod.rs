@@ -19,5 +19,7 @@ mod page;
 mod raster;
 mod stages;
 mod stopping;
+#[cfg(feature = "studio")]
+mod studio;
 pub(crate) mod support;
 mod tune;

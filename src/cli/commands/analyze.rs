@@ -3,7 +3,7 @@
 use crate::cli::analysis::{Analysis, analyze};
 use crate::cli::command::{Arguments, Job, Resolved};
 use crate::cli::common::Common;
-use crate::cli::config::{CommandLineValues, ConfigLayer};
+use crate::cli::config::{CommandLineValues, ConfigLayer, Parameters};
 use crate::cli::failure::Failure;
 use crate::cli::format;
 use crate::cli::options::analyze::AnalyzeFlags;
@@ -61,11 +61,19 @@ impl Arguments for AnalyzeArgs {
     }
 
     fn job(self: Box<Self>, resolved: Resolved) -> anyhow::Result<Job> {
-        let Self { photo, output, force, masks, layer_files, .. } = *self;
+        let (analysis, targets) = self.analysis(&resolved.parameters)?;
+        Ok(Box::new(move |common, reporter| run(common, reporter, &analysis, &targets)))
+    }
+}
+
+impl AnalyzeArgs {
+    /// Checks the options.
+    pub(crate) fn analysis(self, parameters: &Parameters) -> Result<(Analysis, Targets), Failure> {
+        let Self { photo, output, force, masks, layer_files, .. } = self;
         let photo = required(photo)?;
         let targets = targets(output.clone(), &force, &photo, MAKES)?;
-        let analysis = Analysis::new(photo, (masks, layer_files), &force, &output, &resolved.parameters)?;
-        Ok(Box::new(move |common, reporter| run(common, reporter, &analysis, &targets)))
+        let analysis = Analysis::new(photo, (masks, layer_files), &force, &output, parameters)?;
+        Ok((analysis, targets))
     }
 }
 

@@ -60,13 +60,13 @@ pub(crate) struct EditArgs {
 }
 
 /// The operations, their scene, and the place of the result.
-struct Editing {
+pub(crate) struct Editing {
     scene: Input,
-    operations: Vec<ParsedOperation>,
-    seed: Option<u64>,
-    svg: SvgParameters,
-    render: RenderParameters,
-    targets: Targets,
+    pub(crate) operations: Vec<ParsedOperation>,
+    pub(crate) seed: Option<u64>,
+    pub(crate) svg: SvgParameters,
+    pub(crate) render: RenderParameters,
+    pub(crate) targets: Targets,
 }
 
 impl Arguments for EditArgs {
@@ -79,30 +79,38 @@ impl Arguments for EditArgs {
         if self.list {
             return Ok(Box::new(|_, _| print(operations::list().as_bytes())));
         }
-        let editing = Editing::new(*self, resolved)?;
+        let editing = Editing::new(*self, resolved.parameters, &Input::read)?;
         Ok(Box::new(move |common, reporter| run(common, reporter, &editing)))
     }
 }
 
 impl Editing {
-    fn new(a: EditArgs, resolved: Resolved) -> anyhow::Result<Self> {
+    /// Checks the options; `read` gives the bytes of a file.
+    pub(crate) fn new(
+        a: EditArgs,
+        parameters: Parameters,
+        read: &dyn Fn(&Input) -> vtex::Result<Vec<u8>>,
+    ) -> anyhow::Result<Self> {
         let scene = required(a.scene)?;
-        let operations = parsed(&a.op)?;
+        let operations = parsed(&a.op, read)?;
         check_files(&[("the scene", &scene)], &outputs(&a.output))?;
         let targets = targets(a.output, &a.force, &scene, MAKES)?;
-        let Parameters { seed, svg, render, .. } = resolved.parameters;
+        let Parameters { seed, svg, render, .. } = parameters;
         let seed = seed.map(|s| s.0);
         Ok(Self { scene, operations, seed, svg, render, targets })
     }
 }
 
 /// The operations, each checked.
-fn parsed(texts: &[String]) -> anyhow::Result<Vec<ParsedOperation>> {
+fn parsed(
+    texts: &[String],
+    read: &dyn Fn(&Input) -> vtex::Result<Vec<u8>>,
+) -> anyhow::Result<Vec<ParsedOperation>> {
     if texts.is_empty() {
         let failure = Failure::usage("nothing says what to do to the scene");
         return Err(failure.hint("give operations with --op; 'vtex edit --list' explains them").into());
     }
-    let read = |name: &str| Input::File(PathBuf::from(name)).read();
+    let read = |name: &str| read(&Input::File(PathBuf::from(name)));
     texts.iter().map(|text| operations::parse(text, read)).collect()
 }
 

@@ -13,6 +13,8 @@ mod metrics;
 mod models;
 mod raster;
 mod render;
+#[cfg(feature = "studio")]
+mod studio;
 mod synth;
 mod texture;
 mod transfer;
@@ -30,6 +32,8 @@ pub(crate) enum Command {
     Vectorize(vectorize::VectorizeArgs),
     Batch(Box<batch::BatchArgs>),
     Raster(raster::RasterArgs),
+    #[cfg(feature = "studio")]
+    Studio(studio::StudioArgs),
     Analyze(analyze::AnalyzeArgs),
     Synth(synth::SynthArgs),
     Render(render::RenderArgs),
@@ -55,6 +59,8 @@ impl Command {
             Self::Vectorize(a) => Box::new(a),
             Self::Batch(a) => a,
             Self::Raster(a) => Box::new(a),
+            #[cfg(feature = "studio")]
+            Self::Studio(a) => Box::new(a),
             Self::Analyze(a) => Box::new(a),
             Self::Synth(a) => Box::new(a),
             Self::Render(a) => Box::new(a),

@@ -2,7 +2,7 @@
 
 use crate::cli::command::{Arguments, Job, Resolved};
 use crate::cli::common::Common;
-use crate::cli::config::{CommandLineValues, ConfigLayer};
+use crate::cli::config::{CommandLineValues, ConfigLayer, Parameters};
 use crate::cli::failure::Failure;
 use crate::cli::format;
 use crate::cli::input::Input;
@@ -86,8 +86,15 @@ impl Arguments for SynthArgs {
     }
 
     fn job(self: Box<Self>, resolved: Resolved) -> anyhow::Result<Job> {
-        let Self { library, output, force, variants, pattern, control, map, .. } = *self;
-        let Resolved { mut parameters, .. } = resolved;
+        let (libraries, synthesis) = self.synthesis(resolved.parameters)?;
+        Ok(Box::new(move |common, reporter| run(common, reporter, &libraries, &synthesis)))
+    }
+}
+
+impl SynthArgs {
+    /// Checks the options: the libraries, and what is made of them.
+    pub(crate) fn synthesis(self, mut parameters: Parameters) -> anyhow::Result<(Vec<Input>, Synthesis)> {
+        let Self { library, output, force, variants, pattern, control, map, .. } = self;
         let libraries: Vec<Input> = library.into_iter().map(Input::new).collect();
         let Some(first) = libraries.first() else {
             return Err(Failure::usage("no input is given").into());
@@ -99,7 +106,7 @@ impl Arguments for SynthArgs {
         steering.check_counts(libraries.len())?;
         read_weights(parameters.weights.clone(), first, &mut parameters.synth)?;
         let synthesis = Synthesis::new(parameters, steering, targets, (pattern, variants), &force)?;
-        Ok(Box::new(move |common, reporter| run(common, reporter, &libraries, &synthesis)))
+        Ok((libraries, synthesis))
     }
 }
 
@@ -107,7 +114,8 @@ fn run(common: &Common, reporter: &Reporter, inputs: &[Input], synthesis: &Synth
     synthesis.probe()?;
     reporter.plan(Plan { canvas: Some(synthesis.megapixels()), ..Plan::default() });
     reporter.stage("reading")?;
-    let mut controls = reading::controls(&synthesis.steering, &synthesis.parameters, inputs.len())?;
+    let mut controls =
+        reading::controls(&synthesis.steering, &synthesis.parameters, inputs.len(), &Input::read)?;
     let libraries = reading::libraries(inputs)?;
     let exemplars: Vec<String> = libraries.iter().map(|l| l.source.sha256.clone()).collect();
     let replaced = synthesis.ask(common, reporter, Some(&exemplars))?;

@@ -222,7 +222,7 @@ impl Texture {
                 reporter.warn(&format!("{place} was made by {program}, this is {}", vtex::PROGRAM));
             }
         }
-        let mut controls = reading::controls(&synthesis.steering, &synthesis.parameters, 1)?;
+        let mut controls = reading::controls(&synthesis.steering, &synthesis.parameters, 1, &Input::read)?;
         let (finder, megapixels) = (Some(analysis.finder()), synthesis.megapixels());
         reporter.plan(Plan { finder, canvas: Some(megapixels), ..Plan::default() });
         let library = analyze(common, analysis, reporter)?;

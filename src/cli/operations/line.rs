@@ -43,6 +43,12 @@ fn condition(text: &str) -> Result<Condition, Fault> {
     })
 }
 
+/// All operations as clap sees them.
+#[cfg(feature = "studio")]
+pub(crate) fn verbs() -> clap::Command {
+    Line::command()
+}
+
 /// Reads an operation and checks it. `read` gives the bytes of a file by its name; only palettes are
 /// read, because the operation holds their colours.
 ///

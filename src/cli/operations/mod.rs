@@ -9,5 +9,7 @@ mod tests;
 mod verb;
 mod words;
 
+#[cfg(feature = "studio")]
+pub(crate) use line::verbs;
 pub(crate) use line::{ParsedOperation, parse};
 pub(crate) use list::list;

@@ -244,6 +244,24 @@ impl Mask {
         Self { spans }
     }
 
+    /// The pixels of this set that are not in another.
+    pub fn without(&self, other: &Self) -> Self {
+        let (mut from, mut spans) = (0, Vec::with_capacity(self.spans.len()));
+        for s in &self.spans {
+            while other.spans.get(from).is_some_and(|o| (o.y, o.x1) <= (s.y, s.x0)) {
+                from += 1;
+            }
+            let mut x0 = s.x0;
+            let within = other.spans[from..].iter().take_while(|o| o.y == s.y && o.x0 < s.x1);
+            for o in within {
+                spans.extend((x0 < o.x0).then_some(Span { y: s.y, x0, x1: o.x0 }));
+                x0 = o.x1;
+            }
+            spans.extend((x0 < s.x1).then_some(Span { y: s.y, x0, x1: s.x1 }));
+        }
+        Self { spans }
+    }
+
     /// All pixels, row by row, as (x, y).
     pub fn pixels(&self) -> impl Iterator<Item = (i32, i32)> + '_ {
         self.spans.iter().flat_map(|s| (s.x0..s.x1).map(move |x| (x, s.y)))
@@ -283,6 +301,14 @@ mod tests {
             prop_assert_eq!(a.overlap(&b) as usize, common);
             prop_assert_eq!(a.overlap(&b), b.overlap(&a));
             prop_assert_eq!(a.overlap(&a), a.area());
+        }
+
+        #[test]
+        fn a_set_without_another_keeps_the_rest(a in mask_strategy(), b in mask_strategy()) {
+            let wanted: Vec<_> = a.pixels().filter(|&(x, y)| !b.contains(x, y)).collect();
+            let rest = a.without(&b);
+            prop_assert_eq!(rest.pixels().collect::<Vec<_>>(), wanted);
+            prop_assert_eq!(Mask::from_spans(rest.spans().to_vec()), rest);
         }
 
         #[test]

@@ -273,7 +273,7 @@ impl<'a> ResolvedJob<'a> {
     fn make(&self, reporter: &Reporter, is_library: bool) -> anyhow::Result<UnwrittenTexture> {
         // Faults of the options are reported before the long work.
         self.targets().iter().try_for_each(|target| target.place.probe())?;
-        let mut controls = reading::controls(&self.batch.steering, &self.synth, 1)?;
+        let mut controls = reading::controls(&self.batch.steering, &self.synth, 1, &Input::read)?;
         let mut recipe = None;
         let mut libraries = if is_library {
             reporter.stage("reading")?;

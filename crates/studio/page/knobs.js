@@ -1,0 +1,221 @@
+// The tab Steer: seed, variants, and every option with the words and the range that the program has for it.
+
+import { ask, tell } from "./server.js";
+import { explanation, fill, make, throttled } from "./dom.js";
+
+/** Options that lie open; others are under a heading that opens. */
+const CLOSED = new Set(["Analysis", "File"]);
+const SLIDER = 1000;
+
+const words = name => name[0].toUpperCase() + name.slice(1).replaceAll("-", " ");
+
+/** A control for a knob. `onset` gets its value as text, or null for the default. */
+export function control(knob, value, onset, { id, live = true } = {}) {
+  const placeholder = knob.default ?? "";
+  const attributes = { id, "aria-describedby": `${id}-words` };
+  const send = throttled(onset, 140);
+  if (knob.kind === "number") {
+    const shown = value ?? (Number.isNaN(parseFloat(knob.default)) ? "" : knob.default);
+    const step = knob.whole ? 1 : "any";
+    const number = make("input", { type: "number", min: knob.least, max: knob.most, step, value: shown, placeholder, ...attributes });
+    number.addEventListener("change", () => onset(number.value === "" ? null : number.value));
+    if (knob.most - knob.least > SLIDER) return [number];
+    const span = knob.most - knob.least;
+    const slider = make("input", {
+      type: "range", min: knob.least, max: knob.most, step: knob.whole ? 1 : span / 200,
+      value: shown === "" ? knob.least : shown, "aria-label": words(knob.name),
+    });
+    const tidy = () => knob.whole ? slider.value : String(+Number(slider.value).toPrecision(4));
+    slider.addEventListener("input", () => { number.value = tidy(); if (live) send(number.value); });
+    slider.addEventListener("change", () => { number.value = tidy(); onset(number.value); });
+    number.addEventListener("input", () => { if (number.value !== "") slider.value = number.value; });
+    return [slider, number];
+  }
+  if (knob.kind === "switch") {
+    const box = make("input", { type: "checkbox", checked: value === "true" || value === "", ...attributes });
+    box.addEventListener("change", () => onset(box.checked ? "true" : null));
+    return [box];
+  }
+  if (knob.kind === "choice") {
+    const select = make("select", attributes);
+    if (!knob.choices.includes(knob.default)) select.append(make("option", { value: "", textContent: knob.needed ? "choose…" : "as usual" }));
+    for (const choice of knob.choices) select.append(make("option", { value: choice, textContent: choice }));
+    select.value = value ?? (knob.choices.includes(knob.default) ? knob.default : "");
+    select.addEventListener("change", () => onset(select.value === "" || select.value === knob.default ? null : select.value));
+    return [select];
+  }
+  const text = make("input", { type: "text", value: value ?? "", placeholder, spellcheck: false, autocomplete: "off", ...attributes });
+  text.addEventListener("change", () => onset(text.value.trim() === "" ? null : text.value.trim()));
+  if (knob.kind !== "colour") return [text];
+  const hex = /^#[0-9a-f]{6}$/i.test(value ?? "") ? value : "#ffffff";
+  const colour = make("input", { type: "color", value: hex, "aria-label": `${words(knob.name)}: colour` });
+  colour.addEventListener("input", () => { text.value = colour.value; if (live) send(colour.value); });
+  colour.addEventListener("change", () => onset(colour.value));
+  return [colour, text];
+}
+
+/** A knob with its name, its control and its words. */
+export function row(knob, value, onset, { id, parts }) {
+  const set = value !== undefined && value !== null;
+  const reset = make("button", { type: "button", className: "plain", textContent: "Reset", hidden: !set, "aria-label": `Reset ${words(knob.name)}`, onclick: () => onset(null) });
+  parts ??= control(knob, value, onset, { id });
+  const inline = knob.kind === "switch";
+  return make("div", { className: set ? "knob set" : "knob" },
+    make("div", { className: "head" }, make("label", { for: id, textContent: words(knob.name) }), inline ? parts[0] : null, reset),
+    inline ? null : make("div", { className: "control" }, ...parts),
+    explanation(`${id}-words`, `${knob.words} [${knob.takes}]`));
+}
+
+/** The canvas in pixels or millimetres. */
+function sizeControl(id, value, texture, onset) {
+  const match = /^([\d.]+)(mm|px)?(?:x([\d.]+)(mm|px)?)?$/.exec(value ?? "") ?? [];
+  const unit = match[2] ?? "px";
+  const width = match[1] ?? texture?.whole?.[0] ?? "", height = match[3] ?? match[1] ?? texture?.whole?.[1] ?? "";
+  const side = (value, label, own) => make("input", { type: "number", min: 1, step: "any", value, "aria-label": label, id: own, "aria-describedby": own ? `${id}-words` : undefined });
+  const sides = [side(width, "Width of the canvas", id), side(height, "Height of the canvas")];
+  const units = make("select", { "aria-label": "Unit of the canvas" }, ...["px", "mm"].map(name => make("option", { value: name, textContent: name, selected: name === unit })));
+  const send = () => {
+    const end = units.value === "mm" ? "mm" : "";
+    const [w, h] = sides.map(input => input.value.trim());
+    if (w && h) onset(`${w}${end}x${h}${end}`);
+  };
+  for (const input of sides) input.addEventListener("change", send);
+  units.addEventListener("change", () => {
+    const by = units.value === "mm" ? 25.4 / 96 : 96 / 25.4;
+    for (const input of sides) if (input.value) input.value = Math.max(1, Math.round(input.value * by));
+    send();
+  });
+  return [make("div", { className: "pair" }, sides[0], make("span", { textContent: "×", "aria-hidden": "true" }), sides[1], units)];
+}
+
+/** The tab Steer. */
+export class Steer {
+  constructor(panel, table) {
+    this.panel = panel;
+    this.table = table;
+    this.pictures = new Map();
+    this.rows = new Map();
+    this.seed = make("div");
+    this.groups = make("div");
+    fill(panel, this.seed, this.groups);
+  }
+
+  show(work) {
+    if (work.kind === "scene") {
+      fill(this.seed, make("p", { textContent: "A scene is placed already. It can be changed and saved; to place its elements anew, open its library or its photograph." }));
+    } else this.showSeed(work);
+    // A control that is in use stays as it is.
+    if (!this.groups.contains(document.activeElement) || document.activeElement.tagName === "SUMMARY" || this.of !== work.name) this.showGroups(work);
+    else this.refresh(work);
+  }
+
+  showSeed(work) {
+    const field = make("input", { type: "text", inputMode: "numeric", value: work.seed, id: "seed", spellcheck: false, autocomplete: "off", "data-key": "seed" });
+    field.addEventListener("change", () => tell("seed", { seed: field.value.trim() }));
+    const dice = make("button", { type: "button", textContent: "⚄ Dice", title: "Any other seed (D)", "data-key": "dice", onclick: () => tell("seed", { seed: null }) });
+    const shown = work.variants.show;
+    const toggle = make("button", { type: "button", "aria-pressed": String(shown), textContent: "Variants", title: "Six other seeds", "data-key": "variants", onclick: () => tell("variants", { show: !shown, more: false }) });
+    const parts = [make("div", { className: "row seed" }, make("label", { for: "seed", textContent: "Seed" }), field, dice, toggle)];
+    if (shown) parts.push(this.variants(work));
+    const facts = work.analysis && work.texture ? make("p", { className: "facts" },
+      make("span", {}, make("b", { textContent: work.analysis.primaries }), " elements found"),
+      make("span", {}, make("b", { textContent: work.analysis.secondaries }), " small ones"),
+      make("span", {}, make("b", { textContent: work.texture.elements }), " placed")) : null;
+    fill(this.seed, facts, ...parts);
+  }
+
+  variants(work) {
+    const made = new Map(work.variants.made.map(({ seed }) => [seed, true]));
+    const grid = make("div", { className: "variants", role: "group", "aria-label": "Variants" });
+    for (const seed of made.keys()) {
+      const image = make("img", { alt: "" });
+      this.thumbnail(work, seed).then(address => { image.src = address; }, () => {});
+      grid.append(make("button", { type: "button", "aria-label": `Seed ${seed}`, title: `Seed ${seed}`, "aria-pressed": String(seed === work.seed), "data-key": `variant-${seed}`, onclick: () => tell("seed", { seed }) }, image));
+    }
+    for (let missing = made.size; missing < 6; missing++) grid.append(make("div", { className: "wait", textContent: "…", "aria-hidden": "true" }));
+    return make("div", {}, grid, make("div", { className: "row" }, make("button", { type: "button", className: "plain", textContent: "Six more", "data-key": "more", onclick: () => tell("variants", { show: true, more: true }) })));
+  }
+
+  /** The address of the small picture of a seed, as long as what is set stays the same. */
+  thumbnail(work, seed) {
+    const key = JSON.stringify([work.name, work.options, work.operations, work.files, work.elements?.version, seed]);
+    if (!this.pictures.has(key)) {
+      if (this.pictures.size > 60) {
+        for (const address of this.pictures.values()) address.then(URL.revokeObjectURL, () => {});
+        this.pictures.clear();
+      }
+      const picture = ask("variant", { seed }).then(response => response.blob()).then(URL.createObjectURL);
+      picture.catch(() => this.pictures.delete(key));
+      this.pictures.set(key, picture);
+    }
+    return this.pictures.get(key);
+  }
+
+  applies(group, work) {
+    if (work.kind === "scene") return group.stage === "write";
+    if (work.kind === "library") return group.stage !== "analyze";
+    return true;
+  }
+
+  showGroups(work) {
+    this.of = work.name;
+    this.rows.clear();
+    const opened = new Set([...this.groups.querySelectorAll("details[open] > summary")].map(summary => summary.textContent));
+    const groups = this.table.groups.filter(group => this.applies(group, work)).map(group => {
+      const rows = group.knobs.map(knob => this.row(knob, work));
+      if (group.title === "Canvas") rows.push(...this.files(work));
+      if (CLOSED.has(group.title)) return make("details", { open: opened.has(group.title) }, make("summary", { textContent: group.title }), ...rows);
+      return make("div", { className: "group" }, make("h2", { textContent: group.title }), ...rows);
+    });
+    fill(this.groups, ...groups);
+  }
+
+  row(knob, work) {
+    const id = `knob-${knob.name}`, value = work.options[knob.name];
+    const onset = value => tell("set", { name: knob.name, value });
+    const parts = knob.name === "size" ? sizeControl(id, value, work.texture, onset) : undefined;
+    const made = row(knob, value, onset, { id, parts });
+    this.rows.set(knob.name, made);
+    return made;
+  }
+
+  /** Brings everything up to date but the control in use. */
+  refresh(work) {
+    const known = new Map(this.table.groups.flatMap(group => group.knobs).map(knob => [knob.name, knob]));
+    for (const [name, old] of this.rows) {
+      if (old.contains(document.activeElement)) {
+        const set = work.options[name] !== undefined;
+        old.classList.toggle("set", set);
+        const reset = old.querySelector(".head button");
+        if (document.activeElement !== reset) reset.hidden = !set;
+        else if (!set) { old.querySelector("input, select").focus(); this.refresh(work); return; }
+        if (!set && document.activeElement.type !== "number" && document.activeElement.type !== "text") continue;
+        continue;
+      }
+      const knob = known.get(name);
+      old.replaceWith(this.row(knob, work));
+    }
+  }
+
+  /** Files that steer: a shape to fill, and a map of densities. */
+  files(work) {
+    const file = (option, title, words, accept) => {
+      const input = make("input", { type: "file", hidden: true, accept, tabIndex: -1, "aria-label": title });
+      input.addEventListener("change", async () => {
+        const [chosen] = input.files;
+        if (chosen) await tell("side", chosen, { option, name: chosen.name });
+        input.value = "";
+      });
+      const name = work.files[option];
+      return make("div", { className: name ? "knob set" : "knob" },
+        make("div", { className: "head" }, make("span", { className: "label", textContent: title }),
+          make("button", { type: "button", textContent: name ? "Change…" : "Choose…", "aria-label": `${title}: choose a file`, onclick: () => input.click() }),
+          name ? make("button", { type: "button", className: "plain", textContent: "Reset", "aria-label": `Reset ${title}`, onclick: () => tell("side", new Blob([]), { option }) }) : null),
+        input, explanation(`${option}-words`, name ? `${name}. ${words}` : words));
+    };
+    return [
+      file("domain", "Shape to fill", "An SVG, whose filled shapes are fitted to the canvas", ".svg,image/svg+xml"),
+      file("density", "Density", "A grey picture over the canvas: black nothing, middle grey as in the photograph, white twice as dense", "image/*"),
+    ];
+  }
+}

@@ -1,0 +1,491 @@
+//! The calls of the page: what it asks, and what it changes.
+
+use super::desk::{Desk, Opened, SIDE_FILES, SideFile, put_beside};
+use super::knobs::{stage_of, table};
+use super::lines::{Commands, Wanted};
+use super::session::{Fault, Session, Work, WorkSession};
+use super::stages;
+use crate::cli::failure::Failure;
+use crate::cli::input::InputKind;
+use crate::cli::on_threads;
+use crate::cli::options::render::RenderParameters;
+use crate::cli::output::DrawingOptions;
+use crate::cli::panics::guarded;
+use crate::cli::values::Seed;
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
+use serde_json::{Value, json};
+use std::sync::Arc;
+use vtex::output::file::Format;
+use vtex::output::{categories, png};
+use vtex::scene::Scene;
+use vtex::synth::reconstruct;
+use vtex_studio::elements::Mending;
+use vtex_studio::work::file_name;
+use vtex_studio::{App, Content, StudioAnswer, StudioCall, Verb};
+
+/// Most pixels of a picture that is shown.
+const PIXELS: f64 = 16e6;
+
+/// The session as the server sees it.
+pub(super) struct StudioApp(pub(super) Arc<Session>);
+
+type Answered = anyhow::Result<StudioAnswer>;
+
+impl App for StudioApp {
+    fn answer(&self, call: StudioCall) -> StudioAnswer {
+        let session = &self.0;
+        guarded(|| match call.verb {
+            Verb::Get => asked(session, &call),
+            Verb::Post => {
+                let answer = changed(session, &call);
+                session.tell();
+                answer
+            }
+        })
+        .unwrap_or_else(|error| {
+            let Fault { error, hint } = Fault::of(&error);
+            StudioAnswer::fault(422, &error, hint.as_deref())
+        })
+    }
+}
+
+/// Answers a question.
+fn asked(session: &Arc<Session>, call: &StudioCall) -> Answered {
+    match &call.name[..] {
+        "table" => Ok(StudioAnswer::json(&table())),
+        "state" => Ok(StudioAnswer::json(&state(session))),
+        "elements" => elements(session),
+        "picture" => picture(session, call),
+        "variant" => variant(session, call),
+        "commands" => commands(session, call),
+        "save" => save(session, call),
+        _ => Ok(unknown()),
+    }
+}
+
+fn unknown() -> StudioAnswer {
+    StudioAnswer::fault(404, "there is no such call", None)
+}
+
+/// The content of a call.
+fn content<T: DeserializeOwned>(call: &StudioCall) -> Result<T, Failure> {
+    serde_json::from_slice(&call.body).map_err(|e| Failure::failed(format!("the call cannot be read: {e}")))
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SetOption {
+    name: String,
+    /// The default, if there is none.
+    value: Option<String>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SetSeed {
+    /// A seed in digits, or none for any.
+    seed: Option<String>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SetOperations {
+    operations: Vec<String>,
+    /// What changed, so that a slider that moves is one step back.
+    what: String,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Variants {
+    show: bool,
+    more: bool,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Mend {
+    /// The version of the elements that the page shows.
+    version: u64,
+    mending: Mending,
+}
+
+/// Most operations, and most characters of a text that the page sets.
+const OPERATIONS: usize = 100;
+const CHARACTERS: usize = 1000;
+
+/// Changes something.
+fn changed(session: &Arc<Session>, call: &StudioCall) -> Answered {
+    if call.name == "open" {
+        return open(session, call);
+    }
+    if call.name == "cancel" {
+        session.cancel();
+        return Ok(StudioAnswer::json(&json!({})));
+    }
+    let mut state = session.state();
+    let work = &mut *state;
+    if work.sessions.is_empty() {
+        return Err(Failure::failed("nothing is open").into());
+    }
+    let active = work.active;
+    let one = &mut work.sessions[active];
+    match &call.name[..] {
+        "set" => {
+            let SetOption { name, value } = content(call)?;
+            let desk = with_option(one.desk(), &name, value)?;
+            put(one, &name, desk)?;
+        }
+        "seed" => {
+            let SetSeed { seed } = content(call)?;
+            let chosen = seed.is_none();
+            let seed: Seed =
+                seed.map_or_else(|| Ok(Seed::chosen()), |text| text.parse()).map_err(Failure::usage)?;
+            put(one, "seed", Desk { seed: seed.0, ..one.desk().clone() })?;
+            if chosen {
+                one.variants_of = seed.0;
+                one.thumbnails.clear();
+            }
+        }
+        "operations" => {
+            let SetOperations { operations, what } = content(call)?;
+            if operations.len() > OPERATIONS || operations.iter().any(|text| text.len() > CHARACTERS) {
+                return Err(Failure::usage(format!("there are more than {OPERATIONS} operations")).into());
+            }
+            put(one, &what, Desk { operations, ..one.desk().clone() })?;
+        }
+        "mend" => mend(one, content(call)?)?,
+        "side" => side(one, call)?,
+        "variants" => {
+            let Variants { show, more } = content(call)?;
+            one.wants_variants = show;
+            if more {
+                one.variants_of = one.variants_of.wrapping_add(super::session::VARIANTS);
+                one.thumbnails.clear();
+            }
+        }
+        "undo" | "redo" => {
+            one.step(call.name == "undo");
+        }
+        "anew" => {
+            let fresh = Desk::new(session.seed);
+            one.change("", fresh);
+            one.restored = false;
+        }
+        "resume" => {}
+        "choose" => {
+            let index: usize = content(call)?;
+            if index >= work.sessions.len() {
+                return Err(Failure::failed("that is not open").into());
+            }
+            work.active = index;
+        }
+        _ => return Ok(unknown()),
+    }
+    let active = work.active;
+    if !matches!(&call.name[..], "variants" | "choose" | "resume") {
+        work.sessions[active].keep();
+    }
+    session.changed(work);
+    Ok(StudioAnswer::json(&json!({})))
+}
+
+/// What is set, with another value of an option.
+fn with_option(desk: &Desk, name: &str, value: Option<String>) -> Result<Desk, Failure> {
+    if stage_of(name).is_none() {
+        return Err(Failure::usage("there is no option of that name here"));
+    }
+    let mut desk = desk.clone();
+    match value {
+        Some(value) if value.len() > CHARACTERS => return Err(Failure::usage("the value is too long")),
+        Some(value) => drop(desk.options.insert(name.to_owned(), value)),
+        None => drop(desk.options.remove(name)),
+    }
+    Ok(desk)
+}
+
+/// Sets something, if all of it is in range.
+fn put(one: &mut WorkSession, what: &str, desk: Desk) -> anyhow::Result<()> {
+    stages::check(&one.opened, &desk)?;
+    one.change(what, desk);
+    Ok(())
+}
+
+/// Opens a file that the page sent, which is put into the folder of the session.
+fn open(session: &Arc<Session>, call: &StudioCall) -> Answered {
+    let name = call.parameter("name").and_then(file_name);
+    let name = name.ok_or_else(|| Failure::failed("the file has no usable name"))?;
+    // Only what can be opened is put into the folder.
+    let seen = Opened::new(name.clone().into(), call.body.clone())?;
+    let path = put_beside(&session.folder, &name, &call.body)?;
+    let opened = Opened { path, ..seen };
+    let one = begun(opened, session.seed);
+    let mut work = session.state();
+    let known = work.sessions.iter().position(|known| known.opened.path == one.opened.path);
+    match known {
+        Some(index) => work.active = index,
+        None => {
+            work.sessions.push(one);
+            work.active = work.sessions.len() - 1;
+        }
+    }
+    session.changed(&mut work);
+    Ok(StudioAnswer::json(&json!({})))
+}
+
+/// Begins work on a file, or goes on with that of last time.
+pub(super) fn begun(opened: Opened, seed: Option<Seed>) -> WorkSession {
+    use vtex_studio::work::StudioWork;
+    let path = opened.work_path();
+    let fresh = || Desk::new(seed);
+    if !path.exists() {
+        let desk = fresh();
+        return WorkSession::new(opened, desk, false);
+    }
+    let read = StudioWork::read(&path).map_err(anyhow::Error::from);
+    let restored = read.and_then(|work| Desk::restored(&opened, &work));
+    let restored = restored.and_then(|desk| stages::check(&opened, &desk).map(|()| desk));
+    match restored {
+        Ok(desk) => WorkSession::new(opened, desk, true),
+        Err(error) => {
+            let mut one = WorkSession::new(opened, fresh(), false);
+            let reason = Fault::of(&error).error;
+            one.not_kept = Some(format!("the work in '{}' could not be taken up: {reason}", path.display()));
+            one
+        }
+    }
+}
+
+/// Mends the elements that the page shows.
+fn mend(one: &mut WorkSession, Mend { version, mending }: Mend) -> anyhow::Result<()> {
+    let (Some(elements), Some(size)) = (&one.elements, one.opened.size) else {
+        return Err(Failure::failed("there are no elements to mend").into());
+    };
+    if version != one.elements_version {
+        return Err(Failure::failed("the elements have changed meanwhile").into());
+    }
+    let mut elements = (**elements).clone();
+    elements.mend(&mending).map_err(Failure::failed)?;
+    let free = |path: &std::path::PathBuf| {
+        let place = crate::cli::output::Destination::File { path: path.clone(), force: false };
+        place.probe().is_ok()
+    };
+    let endings = (1..=100).map(|n| if n == 1 { ".masks.json".into() } else { format!(".masks-{n}.json") });
+    let mut paths = endings.map(|ending: String| one.opened.beside(&ending));
+    let path = one.masks_path.clone().or_else(|| paths.find(free));
+    let path = path.unwrap_or_else(|| one.opened.beside(".masks.json"));
+    let desk = one.desk().with_elements(path.clone(), size, elements)?;
+    one.masks_path = Some(path);
+    one.change("", desk);
+    Ok(())
+}
+
+/// Sets or takes away a file that steers.
+fn side(one: &mut WorkSession, call: &StudioCall) -> anyhow::Result<()> {
+    let option = call.parameter("option").filter(|option| SIDE_FILES.contains(option));
+    let option = option.ok_or_else(|| Failure::usage("there is no such file"))?;
+    let mut desk = one.desk().clone();
+    if call.body.is_empty() {
+        desk.files.remove(option);
+        return put(one, option, desk);
+    }
+    let name = call.parameter("name").unwrap_or_default();
+    let folder = one.opened.path.parent().map(std::path::Path::to_owned).unwrap_or_default();
+    stages::check_side(option, &call.body)?;
+    let path = put_beside(&folder, name, &call.body)?;
+    desk.files.insert(option.to_owned(), Arc::new(SideFile::new(path, call.body.clone())));
+    put(one, option, desk)
+}
+
+/// What the page shows and can set.
+fn state(session: &Arc<Session>) -> Value {
+    let version = session.version();
+    let work = session.state();
+    let open: Vec<String> = work.sessions.iter().map(|one| name_of(&one.opened)).collect();
+    let mut state = json!({
+        "version": version,
+        "busy": work.done < version && !work.rests && !open.is_empty(),
+        "rests": work.rests,
+        "fault": work.fault,
+        "warnings": work.warnings,
+        "open": open,
+        "active": work.active,
+        "folder": session.folder.display().to_string(),
+    });
+    if let Some(one) = work.sessions.get(work.active) {
+        state["work"] = state_of(one);
+    }
+    state
+}
+
+fn name_of(opened: &Opened) -> String {
+    opened.path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+fn state_of(one: &WorkSession) -> Value {
+    let desk = one.desk();
+    let library = one.kept.library.as_ref();
+    let file = |file: &SideFile| file.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let files: std::collections::BTreeMap<_, _> = desk.files.iter().map(|(k, v)| (k, file(v))).collect();
+    let kind = match one.opened.kind {
+        InputKind::Image => "photograph",
+        InputKind::Svg => "drawing",
+        InputKind::Library => "library",
+        _ => "scene",
+    };
+    json!({
+        "name": name_of(&one.opened),
+        "kind": kind,
+        "size": one.opened.size,
+        "options": desk.options,
+        "seed": desk.seed.to_string(),
+        "operations": desk.operations,
+        "files": files,
+        "mended": desk.masks.as_ref().map(|masks| file(masks)),
+        "undo": one.can_undo(),
+        "redo": one.can_redo(),
+        "restored": one.restored,
+        "notKept": one.not_kept,
+        "keptIn": one.opened.work_path().file_name().map(|name| name.to_string_lossy()),
+        "elements": one.elements.as_ref().map(|elements| json!({
+            "version": one.elements_version,
+            "count": elements.len(),
+        })),
+        "analysis": library.map(|library| json!({
+            "primaries": library.primaries().len(),
+            "secondaries": library.secondaries().len(),
+            "coverage": library.coverage,
+            "warnings": library.source.warnings,
+        })),
+        "texture": one.kept.shown.as_ref().map(|shown| json!({
+            "number": shown.number,
+            "width": shown.scene.width,
+            "height": shown.scene.height,
+            "whole": shown.whole,
+            "draft": shown.draft,
+            "tiles": [shown.scene.tile.x, shown.scene.tile.y],
+            "elements": shown.scene.count(),
+            "categories": categories(&shown.plain),
+            "layers": shown.scene.layers.iter().map(|layer| &layer.name).collect::<Vec<_>>(),
+        })),
+        "variants": json!({ "show": one.wants_variants, "made": one.thumbnails }),
+    })
+}
+
+/// The outlines of the elements, and the category of each, once they are found.
+fn elements(session: &Arc<Session>) -> Answered {
+    let (elements, version, categories, size) = {
+        let work = session.state();
+        let one = active(&work)?;
+        let (Some(elements), Some(size)) = (one.elements.clone(), one.opened.size) else {
+            return Ok(StudioAnswer::json(
+                &json!({ "version": 0, "size": [1, 1], "outlines": [], "places": [], "categories": [] }),
+            ));
+        };
+        let found: Option<Vec<_>> = one.kept.library.as_ref().map(|library| {
+            library.primaries().iter().map(|primary| primary.category.map(|id| id.index())).collect()
+        });
+        let found = found.filter(|found| found.len() == elements.len()).unwrap_or_default();
+        (elements, one.elements_version, found, size)
+    };
+    let outlines = on_threads(session.threads, || Ok(elements.outlines()))?;
+    Ok(StudioAnswer::json(
+        &json!({ "version": version, "size": size, "outlines": outlines, "places": elements.places(), "categories": categories }),
+    ))
+}
+
+fn active(work: &Work) -> Result<&WorkSession, Failure> {
+    work.sessions.get(work.active).ok_or_else(|| Failure::failed("nothing is open"))
+}
+
+/// A picture of the photograph, of its drawing back, or of the texture.
+fn picture(session: &Arc<Session>, call: &StudioCall) -> Answered {
+    let (opened, desk, library, shown) = {
+        let work = session.state();
+        let one = active(&work)?;
+        (Arc::clone(&one.opened), one.desk().clone(), one.kept.library.clone(), one.kept.shown.clone())
+    };
+    let missing = || StudioAnswer::fault(404, "there is no such picture yet", None);
+    let scale = call.parameter("scale").and_then(|text| text.parse::<f64>().ok()).unwrap_or(1.0);
+    let drawn = |scene: &Scene, drawing: DrawingOptions<'_>| {
+        let area = f64::from(scene.width) * f64::from(scene.height);
+        let scale = scale.clamp(0.05, 8.0).min((PIXELS / area).sqrt());
+        let render = RenderParameters { scale, ..drawing.render };
+        let picture = DrawingOptions { render, ..drawing }.picture(scene)?;
+        let mut bytes = Vec::new();
+        png::encode(&picture, None, &mut bytes)?;
+        Ok(StudioAnswer::bytes(Content::Png, bytes))
+    };
+    match (call.parameter("of"), &opened.picture) {
+        (Some("photograph"), Some(picture)) => Ok(StudioAnswer::bytes(Content::Png, picture.clone())),
+        (Some("redrawn"), _) => {
+            let Some(library) = library else { return Ok(missing()) };
+            let drawing = stages::drawing(&opened, &stages::shown(&opened, &desk), Some(&library))?;
+            on_threads(session.threads, || drawn(&reconstruct(&library), drawing))
+        }
+        (Some("texture"), _) => {
+            let Some(shown) = shown else { return Ok(missing()) };
+            let drawing = stages::drawing(&opened, &stages::shown(&opened, &desk), library.as_deref())?;
+            on_threads(session.threads, || drawn(&shown.scene, drawing))
+        }
+        _ => Ok(missing()),
+    }
+}
+
+/// The small picture of a variant.
+fn variant(session: &Arc<Session>, call: &StudioCall) -> Answered {
+    let seed = call.parameter("seed").unwrap_or_default();
+    let work = session.state();
+    let found = active(&work)?.thumbnails.iter().find(|thumbnail| thumbnail.seed.to_string() == seed);
+    Ok(match found {
+        Some(thumbnail) => StudioAnswer::bytes(Content::Png, thumbnail.png.clone()),
+        None => StudioAnswer::fault(404, "there is no such variant", None),
+    })
+}
+
+/// What is to be saved.
+fn wanted(call: &StudioCall) -> Result<Wanted, Failure> {
+    let format = match call.parameter("format") {
+        Some("svg") => Format::Svg,
+        Some("pdf") => Format::Pdf,
+        Some("png") => Format::Png,
+        Some("scene") => Format::Scene,
+        Some("library") => Format::Library,
+        _ => return Err(Failure::usage("there is no such format")),
+    };
+    let scale = call.parameter("scale").filter(|text| !text.is_empty()).map(str::parse::<f64>).transpose();
+    let scale =
+        scale.map_err(|_| Failure::usage("the scale is no number"))?.filter(|scale| scale.is_finite());
+    Ok(Wanted { format, scale })
+}
+
+/// The command lines that make what would be saved.
+fn commands(session: &Arc<Session>, call: &StudioCall) -> Answered {
+    let wanted = wanted(call)?;
+    let work = session.state();
+    let one = active(&work)?;
+    let commands = Commands::new(&one.opened, one.desk(), wanted);
+    Ok(StudioAnswer::json(&json!({ "lines": commands.text(), "file": commands.result() })))
+}
+
+/// The bytes of a file.
+fn save(session: &Arc<Session>, call: &StudioCall) -> Answered {
+    let wanted = wanted(call)?;
+    let (opened, desk, library, shown) = {
+        let work = session.state();
+        let one = active(&work)?;
+        let draft = one.kept.shown.as_ref().is_some_and(|shown| shown.draft);
+        if work.done < session.version() || work.rests || draft || work.fault.is_some() {
+            let failure = Failure::failed("the texture is not finished");
+            return Err(failure.hint("wait until it is, and save it then").into());
+        }
+        (Arc::clone(&one.opened), one.desk().clone(), one.kept.library.clone(), one.kept.shown.clone())
+    };
+    let commands = Commands::new(&opened, &desk, wanted);
+    let scene = shown.as_ref().map(|shown| &*shown.scene);
+    let bytes = on_threads(session.threads, || {
+        stages::write(&opened, &commands, wanted.format, library.as_deref(), scene)
+    })?;
+    Ok(StudioAnswer::bytes(Content::Download, bytes))
+}

@@ -1,0 +1,140 @@
+//! The command lines that make what the page shows.
+
+use super::desk::{Desk, Opened};
+use super::knobs::{Stage, stage_of};
+use crate::cli::format::default_name;
+use crate::cli::input::InputKind;
+use std::path::PathBuf;
+use vtex::output::file::Format;
+
+/// What is saved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Wanted {
+    pub(super) format: Format,
+    /// Pixels of a PNG for each pixel of the canvas.
+    pub(super) scale: Option<f64>,
+}
+
+/// Words of a command line, without the name of the program.
+pub(super) type Words = Vec<String>;
+
+/// The commands that make a result, one after the other. Each reads what the one before it has written.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Commands {
+    /// `vtex analyze`, for a photograph or a drawing.
+    pub(super) analyze: Option<Words>,
+    /// `vtex synth`, unless a scene was opened.
+    pub(super) synth: Option<Words>,
+    /// `vtex edit`, if there are operations; of a scene without any, `vtex render`.
+    pub(super) last: Option<Words>,
+}
+
+impl Commands {
+    /// The commands for a result of some work.
+    pub(super) fn new(opened: &Opened, desk: &Desk, wanted: Wanted) -> Self {
+        let name = |word: &str, format| default_name(&opened.path, word, format).display().to_string();
+        let file = opened.path.display().to_string();
+        let library =
+            if opened.kind == InputKind::Library { file.clone() } else { name("", Format::Library) };
+        let writes = |stage| options(desk, stage);
+        let result = |word: &str| {
+            let mut words = vec!["-o".to_owned(), name(word, wanted.format)];
+            if wanted.format != Format::Scene {
+                words.extend(writes(Stage::Write));
+            }
+            if let (Format::Png, Some(scale)) = (wanted.format, wanted.scale.filter(|scale| *scale != 1.0)) {
+                words.extend(["--scale".to_owned(), scale.to_string()]);
+            }
+            words
+        };
+        let mut commands = Self::default();
+        if matches!(opened.kind, InputKind::Image | InputKind::Svg) {
+            let seed = desk.analysis_seed.to_string();
+            let mut words =
+                vec!["analyze".into(), file.clone(), "-o".into(), library.clone(), "--seed".into(), seed];
+            words.extend(desk.masks.iter().flat_map(|masks| named("--masks", &masks.path)));
+            words.extend(writes(Stage::Analyze));
+            commands.analyze = Some(words);
+            if wanted.format == Format::Library {
+                return commands;
+            }
+        }
+        let edits = !desk.operations.is_empty();
+        let scene = if opened.kind == InputKind::Scene { file } else { name("texture", Format::Scene) };
+        if opened.kind != InputKind::Scene {
+            let mut words = vec!["synth".into(), library];
+            words.extend(if edits { vec!["-o".to_owned(), scene.clone()] } else { result("texture") });
+            words.extend(["--seed".into(), desk.seed.to_string()]);
+            words.extend(writes(Stage::Synth));
+            words.extend(
+                desk.files.iter().flat_map(|(option, file)| named(&format!("--{option}"), &file.path)),
+            );
+            commands.synth = Some(words);
+        } else if !edits {
+            commands.last = Some([vec!["render".to_owned(), scene.clone()], result("texture")].concat());
+        }
+        if edits {
+            let mut words = [vec!["edit".to_owned(), scene], result("edited")].concat();
+            words.extend(desk.operations.iter().flat_map(|text| ["--op".to_owned(), text.clone()]));
+            commands.last = Some(words);
+        }
+        commands
+    }
+
+    /// The name of the file that the last of them writes.
+    pub(super) fn result(&self) -> Option<&str> {
+        let last = [&self.last, &self.synth, &self.analyze].into_iter().flatten().next()?;
+        last.iter().skip_while(|word| *word != "-o").nth(1).map(String::as_str)
+    }
+
+    /// The commands as they are typed, one a line.
+    pub(super) fn text(&self) -> Vec<String> {
+        let all = [&self.analyze, &self.synth, &self.last].into_iter().flatten();
+        all.map(|words| {
+            let quoted: Vec<String> = words.iter().map(|word| quoted(word)).collect();
+            format!("vtex {}", quoted.join(" "))
+        })
+        .collect()
+    }
+}
+
+/// The options of a stage that are set.
+fn options(desk: &Desk, stage: Stage) -> Words {
+    let own = desk.options.iter().filter(|(name, _)| stage_of(name) == Some(stage));
+    own.map(|(name, value)| format!("--{name}={value}")).collect()
+}
+
+fn named(option: &str, path: &PathBuf) -> [String; 2] {
+    [option.to_owned(), path.display().to_string()]
+}
+
+/// A word as a shell reads it back.
+fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_alphanumeric() || "-_./=,:+@%".contains(c);
+    if !word.is_empty() && word.chars().all(plain) {
+        return word.to_owned();
+    }
+    if cfg!(windows) {
+        return format!("\"{}\"", word.replace('"', "\\\""));
+    }
+    format!("'{}'", word.replace('\'', "'\\''"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[cfg(unix)]
+    #[test]
+    fn a_shell_reads_words_back() {
+        for word in
+            ["a", "", "it's", "a b", "tint '#ff0000' --where 'area>3'", "$(ls)`x`\"\\", "ä.png", "~/*"]
+        {
+            let echoed = std::process::Command::new("sh")
+                .args(["-c", &format!("printf %s {}", quoted(word))])
+                .output()
+                .unwrap();
+            assert_eq!(String::from_utf8(echoed.stdout).unwrap(), word);
+        }
+    }
+}

@@ -1,0 +1,301 @@
+//! What the long work makes, and the thread that does it. Results are kept under the command lines that make
+//! them, so only what changed is done again.
+
+use super::desk::{Desk, Opened};
+use super::knobs::{Stage, stage_of};
+use super::lines::Commands;
+use super::session::{Fault, Follower, Session, VARIANTS};
+use super::stages::{self, Listener};
+use crate::cli::input::InputKind;
+use crate::cli::options::render::RenderParameters;
+use crate::cli::output::DrawingOptions;
+use crate::cli::panics::guarded;
+use serde::Serialize;
+use std::sync::Arc;
+use vtex::library::Library;
+use vtex::output::png;
+use vtex::scene::Scene;
+use vtex_studio::elements::ElementMasks;
+
+/// Canvas of a draft, in square pixels; one that is hardly larger is made at once.
+const DRAFT: f64 = 90_000.0;
+const HARDLY_LARGER: f64 = 1.3;
+/// Canvas of a variant, in square pixels, above which it is drawn as a draft of itself.
+const VARIANT: f64 = 400_000.0;
+/// Side of the picture of a variant, in pixels.
+const THUMBNAIL: f64 = 176.0;
+/// Numbers of results that are kept.
+const LIBRARIES: usize = 3;
+const SCENES: usize = 4;
+
+/// What makes a result: checksums of files, and command lines.
+type Key = Vec<String>;
+
+/// Results by what makes them, the newest last.
+struct Results<T>(Vec<(Key, Arc<T>)>);
+
+impl<T> Default for Results<T> {
+    fn default() -> Self {
+        Self(Vec::new())
+    }
+}
+
+impl<T> Results<T> {
+    fn get(&self, key: &Key) -> Option<Arc<T>> {
+        self.0.iter().find(|(known, _)| known == key).map(|(_, result)| Arc::clone(result))
+    }
+
+    fn put(&mut self, key: Key, result: Arc<T>, most: usize) {
+        self.0.retain(|(known, _)| *known != key);
+        self.0.push((key, result));
+        if self.0.len() > most {
+            self.0.remove(0);
+        }
+    }
+}
+
+/// The texture that the page shows.
+#[derive(Clone)]
+pub(super) struct Shown {
+    /// Counts up with every texture.
+    pub(super) number: u64,
+    pub(super) scene: Arc<Scene>,
+    /// The scene before operations.
+    pub(super) plain: Arc<Scene>,
+    /// Width and height of the whole canvas, of which a draft has less.
+    pub(super) whole: [u32; 2],
+    pub(super) draft: bool,
+}
+
+/// Results of one thing that is worked on.
+#[derive(Default)]
+pub(super) struct Kept {
+    libraries: Results<Library>,
+    scenes: Results<Scene>,
+    /// The library of the texture that is shown.
+    pub(super) library: Option<Arc<Library>>,
+    pub(super) shown: Option<Shown>,
+}
+
+/// A small picture of a variant.
+#[derive(Clone, Serialize)]
+pub(super) struct Thumbnail {
+    #[serde(serialize_with = "as_text")]
+    pub(super) seed: u64,
+    #[serde(skip)]
+    pub(super) png: Vec<u8>,
+    #[serde(skip)]
+    of: Desk,
+}
+
+fn as_text<S: serde::Serializer>(seed: &u64, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_str(seed)
+}
+
+impl Thumbnail {
+    /// Whether it shows a variant of what is set.
+    pub(super) fn is_of(&self, desk: &Desk) -> bool {
+        Desk { seed: self.seed, ..desk.clone() } == self.of
+    }
+}
+
+/// Works until the program ends.
+pub(super) fn work(session: &Arc<Session>) {
+    while let Some(version) = session.wait() {
+        let done = guarded(|| one_version(session, version));
+        session.publish(version, |work, _| {
+            work.done = version;
+            if let Err(error) = &done
+                && !matches!(error.downcast_ref(), Some(vtex::Error::Interrupted))
+            {
+                work.fault = Some(Fault::of(error));
+            }
+        });
+        session.tell();
+    }
+}
+
+/// Makes what is wanted in a version.
+fn one_version(session: &Arc<Session>, version: u64) -> anyhow::Result<()> {
+    let listener: Listener = Arc::new(Follower::new(session, version));
+    let snapshot = {
+        let work = session.state();
+        let one = &work.sessions[work.active];
+        (Arc::clone(&one.opened), one.desk().clone())
+    };
+    let (opened, desk) = &snapshot;
+    session.tell();
+    let commands = stages::shown(opened, desk);
+    let library = match opened.kind {
+        InputKind::Scene => None,
+        _ => Some(library(session, version, &snapshot, &commands, &listener)?),
+    };
+    let Some(library) = library else {
+        let scene = Arc::new(Scene::from_bytes(&opened.bytes[..], &opened.path.display().to_string())?);
+        return show(session, version, &commands, scene, None);
+    };
+    if library.primaries().is_empty() && library.secondaries().is_empty() {
+        session.publish(version, |work, at| work.sessions[at].kept.shown = None);
+    }
+    let Some(words) = &commands.synth else { return Ok(()) };
+    let (key, known) = known_scene(session, &snapshot);
+    let scene = match known {
+        Some(scene) => scene,
+        None => {
+            draft(session, version, desk, &commands, &library, &listener);
+            let scene = stages::synthesize(&library, desk, words, None, &listener)?;
+            let scene = Arc::new(scene);
+            session.publish(version, |work, at| {
+                work.sessions[at].kept.scenes.put(key, Arc::clone(&scene), SCENES);
+            });
+            scene
+        }
+    };
+    show(session, version, &commands, scene, None)?;
+    variants(session, version, &snapshot, &library, &listener)
+}
+
+/// The library of what is wanted: read, kept from before, or found by the analysis.
+fn library(
+    session: &Arc<Session>,
+    version: u64,
+    (opened, desk): &(Arc<Opened>, Desk),
+    commands: &Commands,
+    listener: &Listener,
+) -> anyhow::Result<Arc<Library>> {
+    let masks = desk.masks.as_ref().map(|masks| masks.sha256.clone()).unwrap_or_default();
+    let key = [vec![opened.sha256.clone(), masks], commands.analyze.clone().unwrap_or_default()].concat();
+    let known = {
+        let work = session.state();
+        work.sessions[work.active].kept.libraries.get(&key)
+    };
+    let library = match (known, &commands.analyze) {
+        (Some(library), _) => library,
+        (None, Some(words)) => Arc::new(stages::analyze(opened, desk, words, Arc::clone(listener))?),
+        (None, None) => Arc::new(Library::from_bytes(&opened.bytes[..], &opened.path.display().to_string())?),
+    };
+    let found = (opened.kind == InputKind::Image).then(|| ElementMasks::of_library(&library)).map(Arc::new);
+    session.publish(version, |work, at| {
+        let one = &mut work.sessions[at];
+        one.kept.libraries.put(key, Arc::clone(&library), LIBRARIES);
+        one.kept.library = Some(Arc::clone(&library));
+        if one.desk().elements.is_none() && found != one.elements {
+            one.elements = found;
+            one.elements_version += 1;
+        }
+    });
+    session.tell();
+    Ok(library)
+}
+
+/// Shows a smaller canvas first, if the whole one takes its time. A fault of it is that of the whole one too.
+fn draft(
+    session: &Arc<Session>,
+    version: u64,
+    desk: &Desk,
+    commands: &Commands,
+    library: &Library,
+    listener: &Listener,
+) {
+    let Some(words) = &commands.synth else { return };
+    let Ok(whole) = stages::canvas_of(library, words) else { return };
+    if area(whole) <= DRAFT * HARDLY_LARGER {
+        return;
+    }
+    if let Ok(scene) = stages::synthesize(library, desk, words, Some(DRAFT), listener) {
+        let _ = show(session, version, commands, Arc::new(scene), Some(whole));
+    }
+}
+
+fn area([width, height]: [u32; 2]) -> f64 {
+    f64::from(width) * f64::from(height)
+}
+
+/// What makes the scene before operations, and the scene, if it is kept.
+fn known_scene(session: &Session, (opened, desk): &(Arc<Opened>, Desk)) -> (Key, Option<Arc<Scene>>) {
+    let made = desk.options.iter().filter(|(name, _)| stage_of(name) != Some(Stage::Write));
+    let options = made.map(|(name, value)| (name.clone(), value.clone())).collect();
+    let plain = Desk { options, operations: Vec::new(), ..desk.clone() };
+    let Commands { analyze, synth, .. } = stages::shown(opened, &plain);
+    let sums = desk.files.values().chain(&desk.masks).map(|file| file.sha256.clone());
+    let key: Key = std::iter::once(opened.sha256.clone())
+        .chain(sums)
+        .chain(analyze.into_iter().flatten())
+        .chain(synth.into_iter().flatten())
+        .collect();
+    let work = session.state();
+    let known = work.sessions[work.active].kept.scenes.get(&key);
+    (key, known)
+}
+
+/// Edits a scene and shows it.
+fn show(
+    session: &Arc<Session>,
+    version: u64,
+    commands: &Commands,
+    plain: Arc<Scene>,
+    draft_of: Option<[u32; 2]>,
+) -> anyhow::Result<()> {
+    let scene = match &commands.last {
+        Some(words) if words[0] == "edit" => Arc::new(stages::edit(&plain, words)?),
+        _ => Arc::clone(&plain),
+    };
+    session.publish(version, |work, at| {
+        let kept = &mut work.sessions[at].kept;
+        let number = kept.shown.as_ref().map_or(0, |shown| shown.number) + 1;
+        let whole = draft_of.unwrap_or([scene.width, scene.height]);
+        kept.shown = Some(Shown { number, scene, plain, whole, draft: draft_of.is_some() });
+        if draft_of.is_none() {
+            work.done = version;
+        }
+    });
+    session.tell();
+    Ok(())
+}
+
+/// Draws the variants that the page shows.
+fn variants(
+    session: &Arc<Session>,
+    version: u64,
+    snapshot: &(Arc<Opened>, Desk),
+    library: &Library,
+    listener: &Listener,
+) -> anyhow::Result<()> {
+    let (opened, desk) = snapshot;
+    let (wanted, first, mut known) = {
+        let work = session.state();
+        let one = &work.sessions[work.active];
+        let known: Vec<u64> = one.thumbnails.iter().map(|thumbnail| thumbnail.seed).collect();
+        (one.wants_variants, one.variants_of, known)
+    };
+    if !wanted {
+        return Ok(());
+    }
+    for seed in (1..=VARIANTS).map(|k| first.wrapping_add(k)) {
+        if known.contains(&seed) {
+            continue;
+        }
+        known.push(seed);
+        let of = Desk { seed, ..desk.clone() };
+        let commands = stages::shown(opened, &of);
+        let Some(words) = &commands.synth else { return Ok(()) };
+        let most = (area(stages::canvas_of(library, words)?) > VARIANT).then_some(DRAFT);
+        let scene = stages::synthesize(library, &of, words, most, listener)?;
+        let scene = match &commands.last {
+            Some(words) => stages::edit(&scene, words)?,
+            None => scene,
+        };
+        let drawing = stages::drawing(opened, &commands, Some(library))?;
+        let scale = (THUMBNAIL / f64::from(scene.width.max(scene.height))).min(1.0);
+        let render = RenderParameters { scale, ..drawing.render };
+        let picture = DrawingOptions { render, ..drawing }.picture(&scene)?;
+        let mut bytes = Vec::new();
+        png::encode(&picture, None, &mut bytes)?;
+        let thumbnail = Thumbnail { seed, png: bytes, of };
+        if !session.publish(version, |work, at| work.sessions[at].thumbnails.push(thumbnail)) {
+            break;
+        }
+        session.tell();
+    }
+    Ok(())
+}

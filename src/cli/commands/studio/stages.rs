@@ -1,0 +1,230 @@
+//! The work of the commands, done in memory: each is read from its command line as the program itself reads
+//! it, so what the page shows is what the command would write.
+
+use super::desk::{Desk, Opened};
+use super::lines::{Commands, Wanted, Words};
+use crate::cli::analysis::library_of;
+use crate::cli::command::{Arguments, Merged, Resolved};
+use crate::cli::commands::analyze::AnalyzeArgs;
+use crate::cli::commands::edit::{EditArgs, Editing};
+use crate::cli::commands::render::RenderArgs;
+use crate::cli::commands::synth::SynthArgs;
+use crate::cli::common::Common;
+use crate::cli::failure::Failure;
+use crate::cli::input::{Input, InputKind};
+use crate::cli::options::global::Global;
+use crate::cli::output::{Buffer, Destination, DrawingOptions, Target};
+use crate::cli::progress::Reporter;
+use crate::cli::reading;
+use crate::cli::synthesis::canvas;
+use clap::{Args, Parser};
+use std::path::PathBuf;
+use std::sync::Arc;
+use vtex::Progress;
+use vtex::edit::{self, Files, Operation};
+use vtex::library::Library;
+use vtex::output::file::{FileKind, Format};
+use vtex::scene::Scene;
+use vtex::segment::{MasksFile, Segmenter};
+use vtex::synth::synthesize_with;
+
+/// A command line of one command.
+#[derive(Parser)]
+#[command(no_binary_name = true, disable_help_flag = true)]
+struct CommandLine<A: Args> {
+    #[command(flatten)]
+    global: Global,
+    #[command(flatten)]
+    arguments: A,
+}
+
+/// The arguments of a command, read.
+struct ReadCommand<A> {
+    arguments: A,
+    common: Common,
+    resolved: Resolved,
+}
+
+/// Reads the words of a command after its name.
+fn read<A: Args + Arguments>(words: &[String]) -> anyhow::Result<ReadCommand<A>> {
+    let parsed = CommandLine::<A>::try_parse_from(words.iter().skip(1));
+    let CommandLine { global, mut arguments } = parsed.map_err(|e| {
+        let text = e.to_string();
+        let first = text.lines().next().unwrap_or_default();
+        Failure::usage(first.trim_start_matches("error: ").to_owned())
+    })?;
+    let merged = Merged::new(&global, Some(&mut arguments))?;
+    let (common, resolved) = merged.resolved(global, || clap::Command::new("vtex"));
+    Ok(ReadCommand { arguments, common, resolved })
+}
+
+/// Who hears of the progress of work, and may stop it.
+pub(super) type Listener = Arc<dyn Progress + Send>;
+
+/// The commands whose results are shown.
+pub(super) fn shown(opened: &Opened, desk: &Desk) -> Commands {
+    Commands::new(opened, desk, Wanted { format: Format::Svg, scale: None })
+}
+
+/// Does `vtex analyze`.
+///
+/// # Errors
+/// Options out of range, and those of the analysis.
+pub(super) fn analyze(
+    opened: &Opened,
+    desk: &Desk,
+    words: &Words,
+    listener: Listener,
+) -> anyhow::Result<Library> {
+    let ReadCommand { arguments, common, resolved } = read::<AnalyzeArgs>(words)?;
+    let (analysis, _) = arguments.analysis(&resolved.parameters)?;
+    let reporter = Reporter::listening(&common, listener)?;
+    let masks = desk.masks.as_ref().map(|file| {
+        let name = file.path.file_name().unwrap_or(file.path.as_os_str()).to_string_lossy();
+        MasksFile::from_bytes(file.bytes.clone(), &name)
+    });
+    let masks = masks.transpose()?.map(|masks| Box::new(masks) as Box<dyn Segmenter>);
+    library_of(&common, &analysis, (opened.bytes.clone(), masks), &reporter)
+}
+
+/// Width and height of the canvas of `vtex synth`.
+///
+/// # Errors
+/// Options out of range.
+pub(super) fn canvas_of(library: &Library, words: &Words) -> anyhow::Result<[u32; 2]> {
+    let ReadCommand { arguments, resolved, .. } = read::<SynthArgs>(words)?;
+    let (_, synthesis) = arguments.synthesis(resolved.parameters)?;
+    let parameters = canvas(&synthesis.parameters, synthesis.sized, std::slice::from_ref(library));
+    Ok([parameters.width, parameters.height])
+}
+
+/// Does `vtex synth`; with `most`, on a canvas of no more square pixels.
+///
+/// # Errors
+/// Options out of range, and those of the synthesis.
+pub(super) fn synthesize(
+    library: &Library,
+    desk: &Desk,
+    words: &Words,
+    most: Option<f64>,
+    listener: &Listener,
+) -> anyhow::Result<Scene> {
+    let ReadCommand { arguments, resolved, .. } = read::<SynthArgs>(words)?;
+    let (_, synthesis) = arguments.synthesis(resolved.parameters)?;
+    let libraries = std::slice::from_ref(library);
+    let mut parameters = canvas(&synthesis.parameters, synthesis.sized, libraries);
+    if let Some(most) = most {
+        let area = f64::from(parameters.width) * f64::from(parameters.height);
+        let share = (most / area).sqrt().min(1.0);
+        let reduced = |side: u32| ((f64::from(side) * share) as u32).max(1);
+        (parameters.width, parameters.height) = (reduced(parameters.width), reduced(parameters.height));
+    }
+    let controls = reading::controls(&synthesis.steering, &parameters, 1, &|input| desk.file(input))?;
+    let (scene, _) = synthesize_with(libraries, &parameters, &controls, &**listener)?;
+    Ok(scene)
+}
+
+/// Does `vtex edit`.
+///
+/// # Errors
+/// Operations that cannot be done.
+pub(super) fn edit(scene: &Scene, words: &Words) -> anyhow::Result<Scene> {
+    let ReadCommand { arguments, resolved, .. } = read::<EditArgs>(words)?;
+    let none = |input: &Input| Err(vtex::Error::read(input.path(), no_file()));
+    let Editing { operations, seed, .. } = Editing::new(arguments, resolved.parameters, &none)?;
+    let operations: Vec<Operation> = operations.into_iter().map(|asked| asked.operation).collect();
+    let canvas = [scene.width, scene.height];
+    let read = |name: &str| Err(vtex::Error::read(&PathBuf::from(name), no_file()));
+    let files = Files::read(&operations, canvas, read)?;
+    Ok(edit::apply(scene.clone(), &operations, &files, seed)?.0)
+}
+
+/// The page has no files for operations.
+fn no_file() -> std::io::Error {
+    std::io::Error::other("the studio has no files for operations")
+}
+
+/// The bytes that the last of some commands writes.
+///
+/// # Errors
+/// Options out of range, and those of the writers.
+pub(super) fn write(
+    opened: &Opened,
+    commands: &Commands,
+    format: Format,
+    library: Option<&Library>,
+    scene: Option<&Scene>,
+) -> anyhow::Result<Vec<u8>> {
+    let buffer = Buffer::default();
+    let kind = FileKind { format, gzip: false };
+    let target = Target { place: Destination::Memory(buffer.clone()), kind };
+    match (format, library, scene) {
+        (Format::Library, Some(library), _) => drop(target.write_bytes(&library.to_json())?),
+        (_, _, Some(scene)) => {
+            let drawing = drawing(opened, commands, library)?;
+            target.write_scene(scene, drawing)?;
+        }
+        _ => return Err(Failure::failed("there is nothing to save yet").into()),
+    }
+    Ok(buffer.take())
+}
+
+/// How the last of some commands draws a scene.
+///
+/// # Errors
+/// Options out of range.
+pub(super) fn drawing(
+    opened: &Opened,
+    commands: &Commands,
+    library: Option<&Library>,
+) -> anyhow::Result<DrawingOptions<'static>> {
+    let (parameters, fits) = match (&commands.last, &commands.synth) {
+        (Some(words), _) if opened.kind == InputKind::Scene && words[0] == "render" => {
+            (read::<RenderArgs>(words)?.resolved.parameters, false)
+        }
+        (Some(words), _) => (read::<EditArgs>(words)?.resolved.parameters, false),
+        (None, Some(words)) => (read::<SynthArgs>(words)?.resolved.parameters, true),
+        (None, None) => return Err(Failure::failed("there is no texture to draw").into()),
+    };
+    let svg = match library.filter(|_| fits) {
+        Some(library) => parameters.svg.fit(std::slice::from_ref(library)),
+        None => parameters.svg,
+    };
+    Ok(DrawingOptions { svg, render: parameters.render, recipe: None })
+}
+
+/// Checks all options and operations, without work.
+///
+/// # Errors
+/// The first that is wrong.
+pub(super) fn check(opened: &Opened, desk: &Desk) -> anyhow::Result<()> {
+    let Commands { analyze, synth, last } = shown(opened, desk);
+    if let Some(words) = &analyze {
+        let ReadCommand { arguments, resolved, .. } = read::<AnalyzeArgs>(words)?;
+        arguments.analysis(&resolved.parameters)?;
+    }
+    if let Some(words) = &synth {
+        let ReadCommand { arguments, resolved, .. } = read::<SynthArgs>(words)?;
+        arguments.synthesis(resolved.parameters)?;
+    }
+    if let Some(words) = last.as_ref().filter(|words| words[0] == "edit") {
+        let ReadCommand { arguments, resolved, .. } = read::<EditArgs>(words)?;
+        let none = |input: &Input| Err(vtex::Error::read(input.path(), no_file()));
+        Editing::new(arguments, resolved.parameters, &none)?;
+    } else {
+        drawing(opened, &shown(opened, desk), None).map(drop)?;
+    }
+    Ok(())
+}
+
+/// Checks a file that steers by its kind of content.
+///
+/// # Errors
+/// Content that `vtex synth` would refuse.
+pub(super) fn check_side(option: &str, bytes: &[u8]) -> anyhow::Result<()> {
+    match option {
+        "density" => vtex::control::density(bytes, option).map(drop)?,
+        _ => vtex::control::shape(bytes, option, [100, 100]).map(drop)?,
+    }
+    Ok(())
+}

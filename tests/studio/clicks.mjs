@@ -1,0 +1,231 @@
+// What a user does in the studio, by clicking; what is saved is what the copied command makes.
+
+import { copyFileSync, existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import assert from "node:assert/strict";
+import { Studio } from "./driver.mjs";
+
+const { EXEMPLARS } = process.env;
+const folders = [];
+
+function folder(...exemplars) {
+  const made = mkdtempSync(join(tmpdir(), "vtex-studio-"));
+  folders.push(made);
+  for (const name of exemplars) copyFileSync(join(EXEMPLARS, name), join(made, name));
+  return made;
+}
+
+const told = (text, seconds) => console.log(`  ${text}${seconds === undefined ? "" : `: ${seconds.toFixed(2)} s`}`);
+
+async function photograph() {
+  const studio = await Studio.start(folder(), []);
+  const { page } = studio;
+  await studio.picture("welcome");
+  await studio.accessible("welcome");
+
+  // Open: the page sends the file, and it is put into the folder.
+  told("photograph to first texture", await studio.made(() => page.setInputFiles("#file", join(EXEMPLARS, "terrazzo.png"))));
+  assert.ok(existsSync(join(studio.folder, "terrazzo.png")));
+  await studio.same("svg");
+
+  // Steer.
+  await studio.tab("steer");
+  await page.fill("#knob-size", "600");
+  await studio.made(async () => { await page.fill("[aria-label='Height of the canvas']", "600"); await page.keyboard.press("Tab"); });
+  told("a knob turned to a whole texture at 600 x 600", await studio.made(() => page.click("text=Dice")));
+  await studio.made(() => page.selectOption("#knob-tile", "both"));
+  await studio.made(async () => { await page.fill("#knob-rotate", "25"); await page.keyboard.press("Tab"); });
+  await studio.made(() => page.check("#knob-mirror"));
+  const options = { size: "600x600", tile: "both", rotate: "25", mirror: "true" };
+  assert.deepEqual((await studio.state()).work.options, options);
+  await page.check("#tiles");
+  await studio.picture("tiles");
+  await page.uncheck("#tiles");
+  await studio.same("svg");
+  await studio.tab("steer");
+  await page.click("text=Variants");
+  await page.waitForFunction(() => document.querySelectorAll(".variants img").length === 6, null, { timeout: 60_000 });
+  await page.waitForFunction(() => [...document.querySelectorAll(".variants img")].every(image => image.naturalWidth > 0));
+  const seed = await page.getAttribute(".variants button >> nth=3", "title");
+  await studio.made(() => page.click(".variants button >> nth=3"));
+  assert.equal(`Seed ${(await studio.state()).work.seed}`, seed);
+  await studio.picture("steer");
+  await studio.accessible("steer");
+  // What is out of range is refused, and nothing changes.
+  await page.fill("#knob-rotate", "500");
+  await page.keyboard.press("Tab");
+  await page.waitForSelector(".notice.fault");
+  assert.match(await page.textContent(".notice.fault"), /0 to 180 degrees/);
+  assert.equal((await studio.state()).work.options.rotate, "25");
+  await page.click(".notice.fault button");
+
+  // Mend.
+  await studio.tab("mend");
+  const places = await studio.elements();
+  const found = places.length;
+  await studio.picture("mend");
+  await studio.accessible("mend");
+  await page.mouse.click(...await studio.at(...places[0]));
+  told("an element deleted to a new texture", await studio.made(() => page.keyboard.press("Delete")));
+  assert.equal((await studio.state()).work.elements.count, found - 1);
+  assert.ok(existsSync(join(studio.folder, "terrazzo.masks.json")));
+  const [a, b] = await studio.elements();
+  await page.mouse.click(...await studio.at(...a));
+  await page.keyboard.down("Shift");
+  await page.mouse.click(...await studio.at(...b));
+  await page.keyboard.up("Shift");
+  assert.match(await page.textContent("#mend h2 >> nth=1"), /2 elements/);
+  await studio.made(() => page.click("#mend >> text=Merge"));
+  assert.equal((await studio.state()).work.elements.count, found - 2);
+  const drag = async (...places) => {
+    const [first, ...others] = await Promise.all(places.map(place => studio.at(...place)));
+    await page.mouse.move(...first);
+    await page.mouse.down();
+    for (const place of others) await page.mouse.move(...place, { steps: 4 });
+    await page.mouse.up();
+  };
+  await page.click("#mend >> text=Brush away");
+  await studio.made(() => drag([14, 14], [66, 14], [66, 24], [14, 24], [14, 34], [66, 34], [66, 44], [14, 44], [14, 54], [66, 54]));
+  const erased = (await studio.state()).work.elements.count;
+  await page.click("#mend >> text=Draw one");
+  await studio.made(() => drag([20, 20], [60, 20], [60, 50], [20, 50], [20, 20]));
+  assert.equal((await studio.state()).work.elements.count, erased + 1);
+  await page.click("#mend >> text=Cut");
+  await studio.made(() => drag([40, 10], [40, 60]));
+  assert.equal((await studio.state()).work.elements.count, erased + 2);
+  // Undo, redo, by keys.
+  await page.focus("#canvas");
+  await page.keyboard.press("Control+z");
+  await studio.until(({ work }) => work.elements?.count === erased + 1);
+  await studio.made(() => page.keyboard.press("Control+Shift+z"));
+  assert.equal((await studio.state()).work.elements.count, erased + 2);
+  const mended = await studio.same("svg");
+  assert.match(mended.command, /--masks terrazzo\.masks\.json/);
+  await studio.same("library");
+
+  // Change.
+  await studio.tab("change");
+  const recolour = colour => page.$eval("[data-key=colour-1]", (input, colour) => {
+    input.value = colour;
+    input.dispatchEvent(new Event("change"));
+  }, colour);
+  told("a category recoloured", await studio.made(() => recolour("#d03020")));
+  await studio.made(() => recolour("#2040c0"));
+  assert.equal((await studio.state()).work.operations.length, 1);
+  await page.selectOption("#operation", "shadow");
+  await page.fill("#word-length", "7");
+  await page.press("#word-length", "Tab");
+  await studio.made(() => page.click("#change >> text=Add >> nth=-1"));
+  await page.selectOption("#operation", "thin");
+  await page.fill("#word-keep", "0.9");
+  await page.press("#word-keep", "Tab");
+  await page.selectOption("#which", "layer:secondary");
+  await studio.made(() => page.click("#change >> text=Add >> nth=-1"));
+  const operations = (await studio.state()).work.operations;
+  assert.deepEqual(operations.slice(1), ["shadow --length 7", "thin 0.9 --layer secondary"]);
+  await studio.made(() => page.click("[data-key=up-2]"));
+  await studio.picture("change");
+  await studio.accessible("change");
+  for (const format of ["svg", "pdf", "scene"]) await studio.same(format);
+  const scaled = await studio.same("png", { scale: 1.5 });
+  assert.match(scaled.command, /--scale 1\.5/);
+  await studio.picture("save");
+  await studio.accessible("save");
+
+  // Looks.
+  await studio.view("split");
+  await studio.picture("split");
+  await page.emulateMedia({ colorScheme: "dark" });
+  await studio.tab("steer");
+  await studio.picture("dark");
+  await studio.accessible("dark");
+  await page.setViewportSize({ width: 820, height: 1180 });
+  await studio.picture("tablet");
+  await studio.accessible("tablet");
+  const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+  assert.equal(wide, 0, "nothing sticks out to the right");
+  await page.setViewportSize({ width: 1280, height: 720 });
+
+  // Killed and started again, it goes on.
+  await studio.tab("save");
+  await page.check("[name=format][value=svg]");
+  await page.waitForFunction(() => document.querySelector("#lines").textContent.includes("edited.svg"));
+  const before = await page.textContent("#lines");
+  const work = (await studio.state()).work;
+  await studio.kill();
+  studio.faults = studio.faults.filter(fault => !/ERR_|Failed to load/.test(fault));
+  await studio.run(["terrazzo.png"]);
+  await studio.until(({ work, busy }) => !busy && work?.texture && !work.texture.draft);
+  await page.waitForFunction(before => document.querySelector("#lines").textContent === before, before);
+  const after = (await studio.state()).work;
+  assert.deepEqual([after.options, after.operations, after.seed, after.mended], [work.options, work.operations, work.seed, work.mended]);
+  assert.ok(after.restored);
+  studio.faults = studio.faults.filter(fault => !/ERR_|Failed to load|status of 422/.test(fault));
+  await studio.stop();
+}
+
+/** A shape and a map that steer; a library, a scene and a drawing. */
+async function others() {
+  const studio = await Studio.start(folder("leaves.png"), ["leaves.png"]);
+  const { page } = studio;
+  await studio.made(async () => {});
+  await page.fill("#knob-size", "300");
+  await studio.made(async () => { await page.fill("[aria-label='Height of the canvas']", "240"); await page.keyboard.press("Tab"); });
+  const shape = join(folder(), "disc.svg");
+  writeFileSync(shape, "<svg xmlns='http://www.w3.org/2000/svg' width='90' height='90'><circle cx='45' cy='45' r='40'/></svg>");
+  await studio.made(() => page.setInputFiles("[type=file][aria-label='Shape to fill']", shape));
+  const shaped = await studio.same("svg");
+  assert.match(shaped.command, /--domain disc\.svg/);
+  assert.ok(existsSync(join(studio.folder, "disc.svg")));
+  const library = await studio.same("library"), scene = await studio.same("scene");
+  const open = (name, buffer) => page.setInputFiles("#file", { name, mimeType: "application/json", buffer });
+  await studio.made(() => open("other.lib.json", library.saved));
+  await studio.same("svg");
+  await page.waitForTimeout(200);
+  assert.ok(await page.isDisabled("[name=view][value=elements]"));
+  await studio.made(() => open("other.scene.json", scene.saved));
+  const rendered = await studio.same("svg");
+  assert.match(rendered.command, /^vtex render other\.scene\.json/);
+  await studio.tab("change");
+  await page.selectOption("#operation", "flatten");
+  await studio.made(() => page.click("#change >> text=Add >> nth=-1"));
+  await studio.same("png", { scale: 0.5 });
+  // What cannot be opened is told.
+  await open("notes.json", Buffer.from("{}"));
+  await page.waitForSelector(".notice.fault");
+  assert.ok(!existsSync(join(studio.folder, "notes.json")));
+  studio.faults = studio.faults.filter(fault => !/status of 422/.test(fault));
+  await page.selectOption("#open-files", { label: "leaves.png" });
+  await page.waitForFunction(() => document.title.startsWith("leaves.png"));
+  await studio.stop();
+}
+
+/** Long work is told and can be stopped. */
+async function stopped() {
+  const studio = await Studio.start(folder("pebbles.png"), ["pebbles.png"]);
+  const { page } = studio;
+  await page.waitForFunction(() => /…$/.test(document.querySelector("#stage").textContent));
+  await page.click("#cancel");
+  await page.waitForFunction(() => document.querySelector("#stage").textContent === "Stopped");
+  assert.ok(await page.isDisabled("#save-now"));
+  await studio.made(() => page.click("#resume"));
+  await page.focus("#canvas");
+  const zoom = async () => { await page.waitForTimeout(100); return (await studio.seen()).zoom; };
+  const before = await zoom();
+  await page.keyboard.press("+");
+  assert.ok(await zoom() > before);
+  await page.keyboard.press("0");
+  assert.equal(await zoom(), before);
+  await studio.stop();
+}
+
+try {
+  for (const part of [photograph, others, stopped]) {
+    console.log(part.name);
+    await part();
+  }
+  console.log("the studio works by clicking");
+} finally {
+  for (const made of folders) rmSync(made, { recursive: true, force: true });
+}

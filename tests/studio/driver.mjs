@@ -1,0 +1,148 @@
+// Starting the program and a browser, and what tests do with the page.
+
+import { execFileSync, spawn } from "node:child_process";
+import { mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { createRequire } from "node:module";
+import { tmpdir } from "node:os";
+import { dirname, join } from "node:path";
+import assert from "node:assert/strict";
+import { chromium } from "playwright-core";
+
+const { VTEX, BROWSER, PICTURES } = process.env;
+const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
+const LONG = 60_000;
+
+/** A folder, the program in it, and a page that is open in a browser. */
+export class Studio {
+  static async start(folder, files = [], { viewport = { width: 1280, height: 720 }, ...options } = {}) {
+    const studio = new Studio();
+    studio.folder = folder;
+    studio.browser = await chromium.launch({ executablePath: BROWSER, args: ["--no-sandbox"] });
+    studio.context = await studio.browser.newContext({ viewport, acceptDownloads: true, permissions: ["clipboard-read", "clipboard-write"], ...options });
+    studio.page = await studio.context.newPage();
+    studio.faults = [];
+    studio.page.on("pageerror", error => studio.faults.push(error.message));
+    studio.page.on("console", message => { if (message.type() === "error") studio.faults.push(message.text()); });
+    await studio.run(files);
+    return studio;
+  }
+
+  /** Starts the program and opens its page. */
+  async run(files) {
+    const program = spawn(VTEX, ["studio", "--no-open", ...files], { cwd: this.folder });
+    this.program = program;
+    process.on("exit", () => program.kill("SIGKILL"));
+    const address = await new Promise((found, failed) => {
+      let said = "";
+      this.program.stderr.on("data", data => { said += data; const at = /http:\S+/.exec(said); if (at) found(at[0]); });
+      this.program.on("exit", () => failed(new Error(`the program ended: ${said}`)));
+    });
+    await this.page.goto(address);
+  }
+
+  async kill() {
+    const ended = new Promise(done => this.program.on("exit", done));
+    this.program.kill("SIGKILL");
+    await ended;
+  }
+
+  async stop() {
+    assert.deepEqual(this.faults, []);
+    await this.browser.close();
+    const ended = new Promise(done => this.program.on("exit", done));
+    this.program.kill("SIGINT");
+    assert.equal(await ended, 0, "Ctrl-C ends the studio as usual");
+  }
+
+  state() {
+    return this.page.evaluate(async () => (await fetch("api/state")).json());
+  }
+
+  /** Waits until the state is as it should be. */
+  async until(holds) {
+    const end = Date.now() + LONG;
+    while (!holds(await this.state())) {
+      if (Date.now() > end) {
+        const told = await this.page.textContent("#notices");
+        throw new Error(`the state does not become so: ${holds}; the page says: ${told || "nothing"}`);
+      }
+      await new Promise(done => setTimeout(done, 15));
+    }
+  }
+
+  /** Waits for a whole texture, after something that changes it. */
+  async made(action) {
+    const before = (await this.state()).work?.texture?.number ?? 0;
+    const began = Date.now();
+    await action();
+    await this.until(({ work, busy, fault }) => fault || (!busy && work?.texture && !work.texture.draft && work.texture.number > before));
+    const seconds = (Date.now() - began) / 1000;
+    const state = await this.state();
+    assert.equal(state.fault, null);
+    await this.page.waitForFunction(number => document.body.dataset.ready === "true" && document.body.dataset.drawn >= number, state.work.texture.number, { timeout: LONG });
+    return seconds;
+  }
+
+  tab(name) {
+    return this.page.click(`#tab-${name}`);
+  }
+
+  view(name) {
+    return this.page.check(`[name=view][value=${name}]`, { force: true });
+  }
+
+  /** Saves a format, and runs the copied command: both are the same bytes. */
+  async same(format, { scale } = {}) {
+    await this.tab("save");
+    await this.page.check(`[name=format][value=${format}]`);
+    if (scale) { await this.page.fill("#scale", String(scale)); await this.page.press("#scale", "Tab"); }
+    await this.page.waitForTimeout(250);
+    const [download] = await Promise.all([this.page.waitForEvent("download"), this.page.click("#save-file")]);
+    const saved = readFileSync(await download.path());
+    await this.page.click("#copy");
+    const command = await this.page.evaluate(() => navigator.clipboard.readText());
+    assert.equal(command, await this.page.textContent("#lines"));
+    const folder = mkdtempSync(join(tmpdir(), "vtex-studio-"));
+    try {
+      // In a copy, so that results do not mix with what is worked on.
+      execFileSync("cp", ["-r", `${this.folder}/.`, folder]);
+      const path = `${dirname(VTEX)}:${process.env.PATH}`;
+      execFileSync("sh", ["-ec", command], { cwd: folder, env: { ...process.env, PATH: path }, stdio: "pipe" });
+      const made = readFileSync(join(folder, download.suggestedFilename()));
+      assert.ok(made.equals(saved), `${format}: ${saved.length} bytes were saved, ${made.length} made by:\n${command}`);
+    } finally { rmSync(folder, { recursive: true }); }
+    return { command, saved };
+  }
+
+  /** Nothing that keeps people out. */
+  async accessible(what) {
+    await this.page.evaluate(AXE);
+    const { violations } = await this.page.evaluate(() => window.axe.run());
+    const told = violations.map(({ id, nodes }) => `${id}: ${nodes.map(node => node.html).join(" ")}`);
+    assert.deepEqual(told, [], what);
+  }
+
+  async picture(name) {
+    await this.page.waitForTimeout(350);
+    if (PICTURES) await this.page.screenshot({ path: join(PICTURES, `${name}.png`) });
+  }
+
+  /** A place of the photograph on the screen. */
+  async at(x, y) {
+    const box = await this.page.locator("#canvas").boundingBox();
+    const { zoom, left, top } = await this.seen();
+    return [box.x + left + x * zoom, box.y + top + y * zoom];
+  }
+
+  /** What the canvas shows: zoom, the place of the picture, the number of elements. */
+  seen() {
+    return this.page.$eval("#canvas", canvas => Object.fromEntries(Object.entries(canvas.dataset).map(([name, value]) => [name, Number(value)])));
+  }
+
+  /** A place within each element, once as many are shown as there are. */
+  async elements() {
+    const { places } = await this.page.evaluate(async () => (await fetch("api/elements")).json());
+    await this.page.waitForFunction(count => Number(document.querySelector("#canvas").dataset.elements) === count, places.length);
+    return places;
+  }
+}
