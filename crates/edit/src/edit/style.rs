@@ -14,19 +14,28 @@ fn in_own_pixels(length: f64, size: f64) -> f64 {
     (libm::round(100.0 * length / size.max(1e-6)) / 100.0).max(0.01)
 }
 
+/// Whether each element of a scene is a soft ellipse. It is shading of the ground, and has neither shadow nor line.
+fn are_spots(scene: &Scene) -> Vec<bool> {
+    scene.elements.iter().map(|element| element.base().is_soft()).collect()
+}
+
 pub(super) fn shadow(scene: &mut Scene, chosen: &Chosen, angle: f64, length: f64, opacity: f64, blur: f64) {
     let angle = angle.to_radians();
     let offset = [libm::cos(angle), libm::sin(angle)].map(|v| libm::round(100.0 * length * v) / 100.0);
+    let is_spot = are_spots(scene);
     for instance in selected_mut(scene, chosen) {
+        let has_shadow = opacity > 0.0 && !is_spot[instance.element.index()];
         let blur = if blur == 0.0 { 0.0 } else { in_own_pixels(blur, size(instance)).min(Shadow::WIDEST) };
-        instance.shadow = (opacity > 0.0).then_some(Shadow { offset, opacity, blur });
+        instance.shadow = has_shadow.then_some(Shadow { offset, opacity, blur });
     }
 }
 
 pub(super) fn outline(scene: &mut Scene, chosen: &Chosen, width: f64, colour: Colour) {
+    let is_spot = are_spots(scene);
     for instance in selected_mut(scene, chosen) {
+        let has_line = width > 0.0 && !is_spot[instance.element.index()];
         let own = in_own_pixels(width, size(instance)).min(Stroke::WIDEST);
-        instance.stroke = (width > 0.0).then_some(Stroke { width: own, colour });
+        instance.stroke = has_line.then_some(Stroke { width: own, colour });
     }
 }
 

@@ -3,6 +3,7 @@
 use super::*;
 use vtex_base::geometry::{Affine, Outline, SecondMoments, parse_path, shortest_offset};
 use vtex_base::raster::colour::Colour;
+use vtex_scene::element::Profile;
 use vtex_scene::library::Library;
 use vtex_scene::scene::{ControlPoint, ElementId, Field, Instance, InstanceId, Shape, Tile, testing};
 
@@ -359,6 +360,21 @@ fn shadows_and_lines_have_the_size_asked_for_on_the_canvas() {
     let none = edited(&styled, &[on("primary", shadow(45.0, 5.0, 0.0, 5.0)), line(0.0).into()]).0;
     assert!(none.primary().iter().all(|i| i.shadow.is_none()) && none.secondary()[0].shadow.is_some());
     assert!(none.primary().iter().chain(none.secondary()).all(|i| i.stroke.is_none()));
+}
+
+#[test]
+fn soft_ellipses_have_neither_shadow_nor_line() {
+    let mut scene = scene();
+    let spot = scene.secondary()[0].element;
+    let around = scene.elements[spot.index()].outline().clone();
+    let soft = Shape::soft_along(&around, Colour([9; 3]), Profile::Soft).unwrap();
+    scene.elements[spot.index()] = scene.elements[spot.index()].with_shapes(vec![soft]);
+    let line = Action::Outline { width: 2.0, colour: Colour([16, 32, 48]) };
+    let styled = edited(&scene, &[shadow(90.0, 8.0, 0.4, 6.0).into(), line.into()]).0;
+    let (spots, others): (Vec<_>, Vec<_>) =
+        styled.primary().iter().chain(styled.secondary()).partition(|i| i.element == spot);
+    assert!(!spots.is_empty() && spots.iter().all(|i| i.shadow.is_none() && i.stroke.is_none()));
+    assert!(!others.is_empty() && others.iter().all(|i| i.shadow.is_some() && i.stroke.is_some()));
 }
 
 #[test]
