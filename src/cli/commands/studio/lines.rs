@@ -53,7 +53,9 @@ impl Commands {
             let mut words =
                 vec!["analyze".into(), file.clone(), "-o".into(), library.clone(), "--seed".into(), seed];
             words.extend(desk.masks.iter().flat_map(|masks| named("--masks", &masks.path)));
-            words.extend(writes(Stage::Analyze));
+            // Masks of a file need no segmenter, and the program refuses both.
+            let kept = |word: &String| desk.masks.is_none() || !word.starts_with("--segmenter=");
+            words.extend(writes(Stage::Analyze).into_iter().filter(kept));
             commands.analyze = Some(words);
             if wanted.format == Format::Library {
                 return commands;
