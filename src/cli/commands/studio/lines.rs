@@ -4,7 +4,7 @@ use super::desk::{Desk, Opened};
 use super::knobs::{Stage, stage_of};
 use crate::cli::format::default_name;
 use crate::cli::input::InputKind;
-use std::path::PathBuf;
+use std::path::Path;
 use vtex::output::file::Format;
 
 /// What is saved.
@@ -106,7 +106,7 @@ fn options(desk: &Desk, stage: Stage) -> Words {
     own.map(|(name, value)| format!("--{name}={value}")).collect()
 }
 
-fn named(option: &str, path: &PathBuf) -> [String; 2] {
+fn named(option: &str, path: &Path) -> [String; 2] {
     [option.to_owned(), path.display().to_string()]
 }
 
