@@ -113,6 +113,7 @@ fn what_is_saved_is_what_the_commands_make_and_work_goes_on() {
     page.made();
     page.tell("set", &json!({ "name": "size", "value": "90x70" }));
     page.tell("set", &json!({ "name": "tile", "value": "both" }));
+    page.tell("set", &json!({ "name": "lattice", "value": "off" }));
     page.tell("set", &json!({ "name": "segmenter", "value": "regions" }));
     page.same(&folder, "svg");
     page.tell("seed", &json!({ "seed": "18446744073709551615" }));

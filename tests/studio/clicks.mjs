@@ -221,7 +221,9 @@ async function stopped() {
 }
 
 try {
-  for (const part of [photograph, others, stopped]) {
+  // Parts by name, or all.
+  const named = process.argv.slice(2);
+  for (const part of [photograph, others, stopped].filter(part => !named.length || named.includes(part.name))) {
     console.log(part.name);
     await part();
   }

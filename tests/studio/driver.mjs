@@ -72,14 +72,16 @@ export class Studio {
 
   /** Waits for a whole texture, after something that changes it. */
   async made(action) {
-    const before = (await this.state()).work?.texture?.number ?? 0;
+    const { name, texture } = (await this.state()).work ?? {};
+    const isNew = work => work?.texture && !work.texture.draft && (work.name !== name || work.texture.number > (texture?.number ?? 0));
     const began = Date.now();
     await action();
-    await this.until(({ work, busy, fault }) => fault || (!busy && work?.texture && !work.texture.draft && work.texture.number > before));
+    await this.until(({ work, busy, fault }) => fault || (!busy && isNew(work)));
     const seconds = (Date.now() - began) / 1000;
     const state = await this.state();
     assert.equal(state.fault, null);
-    await this.page.waitForFunction(number => document.body.dataset.ready === "true" && document.body.dataset.drawn >= number, state.work.texture.number, { timeout: LONG });
+    const drawn = `${state.work.name} ${state.work.texture.number}`;
+    await this.page.waitForFunction(drawn => document.body.dataset.ready === "true" && document.body.dataset.drawn === drawn, drawn, { timeout: LONG });
     return seconds;
   }
 

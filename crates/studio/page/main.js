@@ -172,7 +172,7 @@ function loadTexture() {
   picture({ of: "texture", number: texture.number, scale }, drawing.signal).then(image => {
     const size = [texture.width, texture.height];
     view.texture = { image, size, whole: texture.whole, draft: texture.draft, scale, key: base };
-    document.body.dataset.drawn = texture.number;
+    document.body.dataset.drawn = base;
     if (view.fitted) view.fit(); else view.draw();
   }, error => { if (error.name !== "AbortError") shown.texture = ""; });
 }

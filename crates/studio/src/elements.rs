@@ -257,7 +257,8 @@ impl ElementMasks {
         let row = |y: i32| {
             let centre = f64::from(y) + 0.5;
             let disc = |at: [f64; 2]| {
-                let reach = radius * radius - (centre - at[1]).powi(2);
+                let up = centre - at[1];
+                let reach = radius * radius - up * up;
                 (reach >= 0.0).then(|| [at[0] - reach.sqrt(), at[0] + reach.sqrt()])
             };
             let edges = (0..4).filter_map(|i| {

@@ -64,9 +64,9 @@ pub(crate) struct Editing {
     scene: Input,
     pub(crate) operations: Vec<ParsedOperation>,
     pub(crate) seed: Option<u64>,
-    pub(crate) svg: SvgParameters,
-    pub(crate) render: RenderParameters,
-    pub(crate) targets: Targets,
+    svg: SvgParameters,
+    render: RenderParameters,
+    targets: Targets,
 }
 
 impl Arguments for EditArgs {

@@ -3,25 +3,26 @@
 use super::desk::{Desk, Opened, SIDE_FILES, SideFile, put_beside};
 use super::knobs::{stage_of, table};
 use super::lines::{Commands, Wanted};
-use super::session::{Fault, Session, Work, WorkSession};
+use super::session::{Fault, Session, VARIANTS, WorkSession};
 use super::stages;
+use super::state::{active, state};
 use crate::cli::failure::Failure;
-use crate::cli::input::InputKind;
 use crate::cli::on_threads;
 use crate::cli::options::render::RenderParameters;
-use crate::cli::output::DrawingOptions;
+use crate::cli::output::{Destination, DrawingOptions};
 use crate::cli::panics::guarded;
 use crate::cli::values::Seed;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
-use serde_json::{Value, json};
+use serde_json::json;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use vtex::output::file::Format;
-use vtex::output::{categories, png};
+use vtex::output::png;
 use vtex::scene::Scene;
 use vtex::synth::reconstruct;
 use vtex_studio::elements::Mending;
-use vtex_studio::work::file_name;
+use vtex_studio::work::{StudioWork, file_name};
 use vtex_studio::{App, Content, StudioAnswer, StudioCall, Verb};
 
 /// Most pixels of a picture that is shown.
@@ -161,7 +162,7 @@ fn changed(session: &Arc<Session>, call: &StudioCall) -> Answered {
             let Variants { show, more } = content(call)?;
             one.wants_variants = show;
             if more {
-                one.variants_of = one.variants_of.wrapping_add(super::session::VARIANTS);
+                one.variants_of = one.variants_of.wrapping_add(VARIANTS);
                 one.thumbnails.clear();
             }
         }
@@ -236,7 +237,6 @@ fn open(session: &Arc<Session>, call: &StudioCall) -> Answered {
 
 /// Begins work on a file, or goes on with that of last time.
 pub(super) fn begun(opened: Opened, seed: Option<Seed>) -> WorkSession {
-    use vtex_studio::work::StudioWork;
     let path = opened.work_path();
     let fresh = || Desk::new(seed);
     if !path.exists() {
@@ -267,8 +267,8 @@ fn mend(one: &mut WorkSession, Mend { version, mending }: Mend) -> anyhow::Resul
     }
     let mut elements = (**elements).clone();
     elements.mend(&mending).map_err(Failure::failed)?;
-    let free = |path: &std::path::PathBuf| {
-        let place = crate::cli::output::Destination::File { path: path.clone(), force: false };
+    let free = |path: &PathBuf| {
+        let place = Destination::File { path: path.clone(), force: false };
         place.probe().is_ok()
     };
     let endings = (1..=100).map(|n| if n == 1 { ".masks.json".into() } else { format!(".masks-{n}.json") });
@@ -291,86 +291,11 @@ fn side(one: &mut WorkSession, call: &StudioCall) -> anyhow::Result<()> {
         return put(one, option, desk);
     }
     let name = call.parameter("name").unwrap_or_default();
-    let folder = one.opened.path.parent().map(std::path::Path::to_owned).unwrap_or_default();
+    let folder = one.opened.path.parent().map(Path::to_owned).unwrap_or_default();
     stages::check_side(option, &call.body)?;
     let path = put_beside(&folder, name, &call.body)?;
     desk.files.insert(option.to_owned(), Arc::new(SideFile::new(path, call.body.clone())));
     put(one, option, desk)
-}
-
-/// What the page shows and can set.
-fn state(session: &Arc<Session>) -> Value {
-    let version = session.version();
-    let work = session.state();
-    let open: Vec<String> = work.sessions.iter().map(|one| name_of(&one.opened)).collect();
-    let mut state = json!({
-        "version": version,
-        "busy": work.done < version && !work.rests && !open.is_empty(),
-        "rests": work.rests,
-        "fault": work.fault,
-        "warnings": work.warnings,
-        "open": open,
-        "active": work.active,
-        "folder": session.folder.display().to_string(),
-    });
-    if let Some(one) = work.sessions.get(work.active) {
-        state["work"] = state_of(one);
-    }
-    state
-}
-
-fn name_of(opened: &Opened) -> String {
-    opened.path.file_name().unwrap_or_default().to_string_lossy().into_owned()
-}
-
-fn state_of(one: &WorkSession) -> Value {
-    let desk = one.desk();
-    let library = one.kept.library.as_ref();
-    let file = |file: &SideFile| file.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let files: std::collections::BTreeMap<_, _> = desk.files.iter().map(|(k, v)| (k, file(v))).collect();
-    let kind = match one.opened.kind {
-        InputKind::Image => "photograph",
-        InputKind::Svg => "drawing",
-        InputKind::Library => "library",
-        _ => "scene",
-    };
-    json!({
-        "name": name_of(&one.opened),
-        "kind": kind,
-        "size": one.opened.size,
-        "options": desk.options,
-        "seed": desk.seed.to_string(),
-        "operations": desk.operations,
-        "files": files,
-        "mended": desk.masks.as_ref().map(|masks| file(masks)),
-        "undo": one.can_undo(),
-        "redo": one.can_redo(),
-        "restored": one.restored,
-        "notKept": one.not_kept,
-        "keptIn": one.opened.work_path().file_name().map(|name| name.to_string_lossy()),
-        "elements": one.elements.as_ref().map(|elements| json!({
-            "version": one.elements_version,
-            "count": elements.len(),
-        })),
-        "analysis": library.map(|library| json!({
-            "primaries": library.primaries().len(),
-            "secondaries": library.secondaries().len(),
-            "coverage": library.coverage,
-            "warnings": library.source.warnings,
-        })),
-        "texture": one.kept.shown.as_ref().map(|shown| json!({
-            "number": shown.number,
-            "width": shown.scene.width,
-            "height": shown.scene.height,
-            "whole": shown.whole,
-            "draft": shown.draft,
-            "tiles": [shown.scene.tile.x, shown.scene.tile.y],
-            "elements": shown.scene.count(),
-            "categories": categories(&shown.plain),
-            "layers": shown.scene.layers.iter().map(|layer| &layer.name).collect::<Vec<_>>(),
-        })),
-        "variants": json!({ "show": one.wants_variants, "made": one.thumbnails }),
-    })
 }
 
 /// The outlines of the elements, and the category of each, once they are found.
@@ -393,10 +318,6 @@ fn elements(session: &Arc<Session>) -> Answered {
     Ok(StudioAnswer::json(
         &json!({ "version": version, "size": size, "outlines": outlines, "places": elements.places(), "categories": categories }),
     ))
-}
-
-fn active(work: &Work) -> Result<&WorkSession, Failure> {
-    work.sessions.get(work.active).ok_or_else(|| Failure::failed("nothing is open"))
 }
 
 /// A picture of the photograph, of its drawing back, or of the texture.

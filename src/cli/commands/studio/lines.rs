@@ -4,7 +4,7 @@ use super::desk::{Desk, Opened};
 use super::knobs::{Stage, stage_of};
 use crate::cli::format::default_name;
 use crate::cli::input::InputKind;
-use std::path::PathBuf;
+use std::path::Path;
 use vtex::output::file::Format;
 
 /// What is saved.
@@ -53,7 +53,9 @@ impl Commands {
             let mut words =
                 vec!["analyze".into(), file.clone(), "-o".into(), library.clone(), "--seed".into(), seed];
             words.extend(desk.masks.iter().flat_map(|masks| named("--masks", &masks.path)));
-            words.extend(writes(Stage::Analyze));
+            // Masks of a file need no segmenter, and the program refuses both.
+            let kept = |word: &String| desk.masks.is_none() || !word.starts_with("--segmenter=");
+            words.extend(writes(Stage::Analyze).into_iter().filter(kept));
             commands.analyze = Some(words);
             if wanted.format == Format::Library {
                 return commands;
@@ -104,7 +106,7 @@ fn options(desk: &Desk, stage: Stage) -> Words {
     own.map(|(name, value)| format!("--{name}={value}")).collect()
 }
 
-fn named(option: &str, path: &PathBuf) -> [String; 2] {
+fn named(option: &str, path: &Path) -> [String; 2] {
     [option.to_owned(), path.display().to_string()]
 }
 

@@ -1,7 +1,7 @@
-//! What the long work makes, and the thread that does it. Results are kept under the command lines that make
-//! them, so only what changed is done again.
+//! The long work, and the thread that does it. Results are kept, so only what changed is done again.
 
 use super::desk::{Desk, Opened};
+use super::kept::{Key, Shown, Thumbnail};
 use super::knobs::{Stage, stage_of};
 use super::lines::Commands;
 use super::session::{Fault, Follower, Session, VARIANTS};
@@ -10,7 +10,6 @@ use crate::cli::input::InputKind;
 use crate::cli::options::render::RenderParameters;
 use crate::cli::output::DrawingOptions;
 use crate::cli::panics::guarded;
-use serde::Serialize;
 use std::sync::Arc;
 use vtex::library::Library;
 use vtex::output::png;
@@ -27,77 +26,6 @@ const THUMBNAIL: f64 = 176.0;
 /// Numbers of results that are kept.
 const LIBRARIES: usize = 3;
 const SCENES: usize = 4;
-
-/// What makes a result: checksums of files, and command lines.
-type Key = Vec<String>;
-
-/// Results by what makes them, the newest last.
-struct Results<T>(Vec<(Key, Arc<T>)>);
-
-impl<T> Default for Results<T> {
-    fn default() -> Self {
-        Self(Vec::new())
-    }
-}
-
-impl<T> Results<T> {
-    fn get(&self, key: &Key) -> Option<Arc<T>> {
-        self.0.iter().find(|(known, _)| known == key).map(|(_, result)| Arc::clone(result))
-    }
-
-    fn put(&mut self, key: Key, result: Arc<T>, most: usize) {
-        self.0.retain(|(known, _)| *known != key);
-        self.0.push((key, result));
-        if self.0.len() > most {
-            self.0.remove(0);
-        }
-    }
-}
-
-/// The texture that the page shows.
-#[derive(Clone)]
-pub(super) struct Shown {
-    /// Counts up with every texture.
-    pub(super) number: u64,
-    pub(super) scene: Arc<Scene>,
-    /// The scene before operations.
-    pub(super) plain: Arc<Scene>,
-    /// Width and height of the whole canvas, of which a draft has less.
-    pub(super) whole: [u32; 2],
-    pub(super) draft: bool,
-}
-
-/// Results of one thing that is worked on.
-#[derive(Default)]
-pub(super) struct Kept {
-    libraries: Results<Library>,
-    scenes: Results<Scene>,
-    /// The library of the texture that is shown.
-    pub(super) library: Option<Arc<Library>>,
-    pub(super) shown: Option<Shown>,
-}
-
-/// A small picture of a variant.
-#[derive(Clone, Serialize)]
-pub(super) struct Thumbnail {
-    #[serde(serialize_with = "as_text")]
-    pub(super) seed: u64,
-    #[serde(skip)]
-    pub(super) png: Vec<u8>,
-    #[serde(skip)]
-    of: Desk,
-}
-
-fn as_text<S: serde::Serializer>(seed: &u64, serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.collect_str(seed)
-}
-
-impl Thumbnail {
-    /// Whether it shows a variant of what is set.
-    pub(super) fn is_of(&self, desk: &Desk) -> bool {
-        Desk { seed: self.seed, ..desk.clone() } == self.of
-    }
-}
 
 /// Works until the program ends.
 pub(super) fn work(session: &Arc<Session>) {

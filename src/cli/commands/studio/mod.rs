@@ -2,11 +2,13 @@
 
 mod calls;
 mod desk;
+mod kept;
 mod knobs;
 mod lines;
 mod made;
 mod session;
 mod stages;
+mod state;
 
 use crate::cli::command::{Arguments, Job, Resolved};
 use crate::cli::common::Common;
@@ -37,7 +39,7 @@ const IDLE: Parameter<u32> = Parameter::new("idle-exit", [1, 604_800], "seconds"
 Examples:
   vtex studio photo.jpg
   vtex studio swatch.svg photo.lib.json
-  vtex studio --no-open --port 8080
+  vtex studio photo.jpg --no-open --port 8080
 
 The page is served to this machine alone, and nothing is uploaded anywhere. Its address holds a key: give
 it to nobody. Work is kept in photo.vtex-studio.json beside photo.jpg, and goes on where it was."

@@ -2,7 +2,7 @@
 //! change stops it, and it goes on with what is wanted now.
 
 use super::desk::{Desk, Opened};
-use super::made::{Kept, Thumbnail};
+use super::kept::{Kept, Thumbnail};
 use crate::cli::failure::explain;
 use crate::cli::interrupt;
 use crate::cli::values::Seed;
