@@ -84,13 +84,16 @@ impl<'a> Board<'a> {
         let at = self.plane.wrapped(at);
         let side = [0, 1].map(|k| self.plane.size[k] / self.cells[k] as f64);
         let range = |k: usize| {
-            let (low, high) = (libm::floor((at[k] - radius) / side[k]), libm::floor((at[k] + radius) / side[k]));
+            let (low, high) =
+                (libm::floor((at[k] - radius) / side[k]), libm::floor((at[k] + radius) / side[k]));
             let last = self.cells[k] as i64;
             if self.plane.wraps[k] {
                 let count = ((high - low) as i64 + 1).min(last);
                 (low as i64..low as i64 + count).map(|c| c.rem_euclid(last) as usize).collect::<Vec<_>>()
             } else {
-                ((low as i64).clamp(0, last - 1)..=(high as i64).clamp(0, last - 1)).map(|c| c as usize).collect()
+                ((low as i64).clamp(0, last - 1)..=(high as i64).clamp(0, last - 1))
+                    .map(|c| c as usize)
+                    .collect()
             }
         };
         let (columns, rows) = (range(0), range(1));
@@ -115,7 +118,8 @@ impl<'a> Board<'a> {
         let figure = self.figure(element.place);
         let reach = self.relations.reach[figure as usize] + self.largest + self.relations.clearance + 1.0;
         let near = self.near(element.at, reach).into_iter().filter(|n| Some(n.0) != own);
-        let clash = near.map(|(id, other, way)| (id, self.relations.clash(figure, self.figure(other.place), way)));
+        let clash =
+            near.map(|(id, other, way)| (id, self.relations.clash(figure, self.figure(other.place), way)));
         clash.filter(|c| c.1 > 0.0).collect()
     }
 
@@ -127,6 +131,16 @@ impl<'a> Board<'a> {
         near.iter().all(|(_, other, way)| self.relations.clash(figure, self.figure(other.place), *way) == 0.0)
     }
 
+    /// How much nearer an element of the same class is than in the exemplar, 0 to 1.
+    pub(crate) fn twins(&self, element: BoardElement, own: Option<usize>) -> f64 {
+        let figure = self.figure(element.place);
+        let class = |figure: u32| self.relations.class[figure as usize];
+        let wanted = self.relations.twin_distance[class(figure) as usize];
+        let near = self.near(element.at, 0.98 * wanted).into_iter();
+        let twins = near.filter(|n| Some(n.0) != own && class(self.figure(n.1.place)) == class(figure));
+        twins.map(|n| 1.0 - length(n.2) / wanted).fold(0.0, f64::max)
+    }
+
     /// How well an element fits among its neighbours: the mean over the neighbours that it has in the exemplar, 1 for
     /// one that is there, 0 for one that is missing; less the surplus of neighbours.
     pub(crate) fn support(&self, element: BoardElement, own: Option<usize>) -> f64 {
@@ -136,7 +150,6 @@ impl<'a> Board<'a> {
         let near = self.near(element.at, radius);
         let near: Vec<_> = near.into_iter().filter(|n| Some(n.0) != own).collect();
         let exemplar = self.relations.exemplar;
-        let category = |figure: u32| exemplar.figures[figure as usize].category;
         let tolerance = 0.5 * self.relations.spacing;
         let mut sum = 0.0;
         for partner in partners {
@@ -144,19 +157,12 @@ impl<'a> Board<'a> {
             let fit = near.iter().map(|(_, other, way)| {
                 let off = length([way[0] - partner.way[0], way[1] - partner.way[1]]) / tolerance;
                 let figure = self.figure(other.place);
-                let alike = if figure == wanted {
-                    1.0
-                } else if category(figure) == category(wanted) {
-                    0.8
-                } else {
-                    0.4
-                };
-                alike * (1.0 - off).max(0.0)
+                (1.0 - 2.0 * self.relations.strangeness(figure, wanted)) * (1.0 - off).max(0.0)
             });
             sum += fit.fold(0.0, f64::max);
         }
         let surplus = (near.len() as f64 - partners.len() as f64).max(0.0);
-        (sum - 0.5 * surplus) / partners.len() as f64
+        (sum - 0.5 * surplus) / partners.len() as f64 - 0.5 * self.twins(element, own)
     }
 
     /// The elements, those removed left out.

@@ -155,8 +155,11 @@ impl Clustering<'_> {
     /// The adjacent cluster that a sample gains most by changing to, and the gain in steps, if that is positive.
     fn best_switch(&self, s: usize) -> Option<(i64, u32)> {
         let own = self.output.cluster[s];
-        let mut others: Vec<u32> =
-            self.beside(s).map(|k| self.output.cluster[self.votes.near.ids[k] as usize]).filter(|c| *c != own).collect();
+        let mut others: Vec<u32> = self
+            .beside(s)
+            .map(|k| self.output.cluster[self.votes.near.ids[k] as usize])
+            .filter(|c| *c != own)
+            .collect();
         others.sort_unstable();
         others.dedup();
         let now = if others.is_empty() { return None } else { self.links(s, own) };
@@ -172,7 +175,9 @@ impl Clustering<'_> {
         let first = parallel::map(&all, |&s| self.best_switch(s));
         let mut stamp = vec![0u32; count];
         let mut queue: BinaryHeap<(i64, Reverse<usize>, u32, u32)> = BinaryHeap::new();
-        queue.extend(all.iter().zip(first).filter_map(|(&s, best)| best.map(|(gain, c)| (gain, Reverse(s), c, 0))));
+        queue.extend(
+            all.iter().zip(first).filter_map(|(&s, best)| best.map(|(gain, c)| (gain, Reverse(s), c, 0))),
+        );
         let mut done = 0;
         while let Some((_, Reverse(s), cluster, at)) = queue.pop() {
             if stamp[s] != at {
@@ -181,7 +186,7 @@ impl Clustering<'_> {
             if done >= count {
                 break;
             }
-            if done % OPERATIONS == 0 {
+            if usize::is_multiple_of(done, OPERATIONS) {
                 go_on()?;
             }
             let own = self.output.cluster[s] as usize;
@@ -263,7 +268,8 @@ impl Clustering<'_> {
         let mut cut = 0.0;
         for (i, &s) in members.iter().enumerate().filter(|(i, _)| side[*i]) {
             for k in near.range(s as usize) {
-                cut += of.get(&near.ids[k]).filter(|j| side[**j] != side[i]).map_or(0.0, |_| self.together[k]);
+                cut +=
+                    of.get(&near.ids[k]).filter(|j| side[**j] != side[i]).map_or(0.0, |_| self.together[k]);
             }
         }
         let parts = self.shape_of(&stay) + self.shape_of(&leave);
@@ -273,7 +279,9 @@ impl Clustering<'_> {
 
     fn neighbours(&self, a: u32) -> Vec<u32> {
         let near = &self.votes.near;
-        let of = |s: &u32| self.beside(*s as usize).map(|k| self.output.cluster[near.ids[k] as usize]).collect::<Vec<_>>();
+        let of = |s: &u32| {
+            self.beside(*s as usize).map(|k| self.output.cluster[near.ids[k] as usize]).collect::<Vec<_>>()
+        };
         let mut all: Vec<u32> = self.members[a as usize].iter().flat_map(of).filter(|c| *c != a).collect();
         all.sort_unstable();
         all.dedup();
@@ -281,11 +289,15 @@ impl Clustering<'_> {
     }
 
     /// Clusters are merged and split, at most as often as there are clusters.
-    fn merge_and_split(&mut self, done: &mut ClusterOperations, go_on: &dyn Fn() -> Result<()>) -> Result<()> {
+    fn merge_and_split(
+        &mut self,
+        done: &mut ClusterOperations,
+        go_on: &dyn Fn() -> Result<()>,
+    ) -> Result<()> {
         let count = self.members.len();
         let mut queue = BinaryHeap::new();
         for a in 0..count as u32 {
-            if a as usize % OPERATIONS == 0 {
+            if (a as usize).is_multiple_of(OPERATIONS) {
                 go_on()?;
             }
             self.push(a, true, &mut queue);
@@ -302,7 +314,7 @@ impl Clustering<'_> {
             if operations >= count {
                 break;
             }
-            if operations % 16 == 0 {
+            if usize::is_multiple_of(operations, 16) {
                 go_on()?;
             }
             operations += 1;

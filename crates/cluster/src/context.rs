@@ -45,7 +45,8 @@ pub(crate) fn unit<'a>(clusters: impl Iterator<Item = &'a [[f64; 2]]>) -> f64 {
     for points in clusters.filter(|c| c.len() > 1) {
         let mut total = 0.0;
         for (i, p) in points.iter().enumerate() {
-            total += points[..i].iter().map(|q| crate::space::length([q[0] - p[0], q[1] - p[1]])).sum::<f64>();
+            total +=
+                points[..i].iter().map(|q| crate::space::length([q[0] - p[0], q[1] - p[1]])).sum::<f64>();
         }
         sum += total * 2.0 / (points.len() * (points.len() - 1)) as f64;
         count += 1;

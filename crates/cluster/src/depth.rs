@@ -19,7 +19,8 @@ pub(crate) fn ordered(count: usize, preferences: &BTreeMap<[u32; 2], f64>) -> Ve
         partners[a as usize].push((b, -by));
         partners[b as usize].push((a, by));
     }
-    let mut queue: BinaryHeap<(i64, Reverse<u32>)> = (0..count as u32).map(|i| (value[i as usize], Reverse(i))).collect();
+    let mut queue: BinaryHeap<(i64, Reverse<u32>)> =
+        (0..count as u32).map(|i| (value[i as usize], Reverse(i))).collect();
     let mut done = vec![false; count];
     let mut order = Vec::with_capacity(count);
     while let Some((was, Reverse(i))) = queue.pop() {

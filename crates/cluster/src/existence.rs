@@ -24,7 +24,10 @@ pub(crate) fn add_missing(output: &mut OutputSamples, input: &InputSamples, matc
     let rim = input.scale.radius - 0.5 * delta;
     let all: Vec<usize> = (0..matches.near.len()).collect();
     let missing: Vec<Missing> =
-        vtex_base::parallel::map(&all, |&s| of_neighbourhood(output, input, matches, (s, rim))).into_iter().flatten().collect();
+        vtex_base::parallel::map(&all, |&s| of_neighbourhood(output, input, matches, (s, rim)))
+            .into_iter()
+            .flatten()
+            .collect();
     if missing.is_empty() {
         return 0;
     }
@@ -57,7 +60,7 @@ pub(crate) fn add_missing(output: &mut OutputSamples, input: &InputSamples, matc
         let (mut around, mut occupied) = (0u32, false);
         standing.within(places[m], rim, |s, way| {
             around += 1;
-            occupied |= length(way) < 0.5 * delta && alike(output.source[s], missing[m].source);
+            occupied |= length(way) < 0.5 * delta && alike(output.copied[s], missing[m].source);
         });
         let close = |(source, at, _): &(u32, [f64; 2], u32)| {
             alike(*source, missing[m].source) && length(output.plane.between(*at, places[m])) < 0.7 * delta
@@ -79,7 +82,8 @@ pub(crate) fn add_missing(output: &mut OutputSamples, input: &InputSamples, matc
             let place = input.place[*source as usize];
             let from = input.points[*source as usize];
             let by = [at[0] - from[0], at[1] - from[1]];
-            let same = |n: &&(u32, [f64; 2], u32)| n.0 == place && length(output.plane.between(n.1, by)) < delta;
+            let same =
+                |n: &&(u32, [f64; 2], u32)| n.0 == place && length(output.plane.between(n.1, by)) < delta;
             cluster = new.iter().find(same).map_or(output.clusters, |n| n.2);
             if cluster == output.clusters {
                 output.clusters += 1;
@@ -88,6 +92,7 @@ pub(crate) fn add_missing(output: &mut OutputSamples, input: &InputSamples, matc
         }
         output.points.push(*at);
         output.source.push(*source);
+        output.copied.push(*source);
         output.cluster.push(cluster);
     }
     added.len()
@@ -109,7 +114,9 @@ fn of_neighbourhood(
             continue;
         }
         let place = input.place[i as usize];
-        let beside = own.clone().find(|&k| matches.matched[k] != NONE && input.place[matches.matched[k] as usize] == place);
+        let beside = own
+            .clone()
+            .find(|&k| matches.matched[k] != NONE && input.place[matches.matched[k] as usize] == place);
         let cluster = if input.place[source as usize] == place {
             output.cluster[s]
         } else {

@@ -48,10 +48,10 @@ impl ClusterExemplar {
     /// The exemplar with all lengths multiplied.
     pub(crate) fn scaled(&self, by: f64) -> Self {
         let map = vtex_base::geometry::Affine::scale(by);
-        let figures = self.figures.iter().map(|f| Figure {
-            outlines: f.outlines.iter().map(|o| o.moved(map)).collect(),
-            ..*f
-        });
+        let figures = self
+            .figures
+            .iter()
+            .map(|f| Figure { outlines: f.outlines.iter().map(|o| o.moved(map)).collect(), ..*f });
         let places = self.places.iter().map(|p| FigurePlace { at: p.at.map(|v| v * by), ..*p });
         Self {
             page: PeriodicPlane { size: self.page.size.map(|v| v * by), ..self.page },
@@ -63,7 +63,8 @@ impl ClusterExemplar {
     /// The exemplar repeated along the axes that wrap, so that each is at least `side` long.
     pub(crate) fn repeated(&self, side: f64) -> Self {
         let page = self.page;
-        let times = [0, 1].map(|k| if page.wraps[k] { libm::ceil(side / page.size[k]).max(1.0) } else { 1.0 });
+        let times =
+            [0, 1].map(|k| if page.wraps[k] { libm::ceil(side / page.size[k]).max(1.0) } else { 1.0 });
         let mut places = Vec::with_capacity(self.places.len() * (times[0] * times[1]) as usize);
         for p in &self.places {
             // Copies of an element follow each other in the painting order, as they do on a torus.
@@ -124,8 +125,8 @@ fn thinned(candidates: &[[f64; 2]], distance: f64) -> Vec<[f64; 2]> {
     let low = [0, 1].map(|k| candidates.iter().map(|p| p[k]).fold(f64::INFINITY, f64::min));
     let high = [0, 1].map(|k| candidates.iter().map(|p| p[k]).fold(f64::NEG_INFINITY, f64::max));
     // At most one sample to a cell.
-    let side = (distance / std::f64::consts::SQRT_2)
-        .max(libm::sqrt((high[0] - low[0]) * (high[1] - low[1]) / 4e6));
+    let side =
+        (distance / std::f64::consts::SQRT_2).max(libm::sqrt((high[0] - low[0]) * (high[1] - low[1]) / 4e6));
     let cell = |p: &[f64; 2], k: usize| ((p[k] - low[k]) / side).max(0.0) as usize;
     if candidates.is_empty() {
         return Vec::new();
@@ -177,7 +178,7 @@ mod tests {
                         b.x0 + b.width() * f64::from(k % 50) / 50.0,
                         b.y0 + b.height() * f64::from(k / 50) / 40.0,
                     ];
-                    let inside = interior.contains(p.into());
+                    let inside = interior.contains((p[0], p[1]).into());
                     assert!(!inside || found.iter().any(|q| apart(q, &p) < 1.2 * distance), "{text} {p:?}");
                 }
             }

@@ -15,14 +15,18 @@ use vtex_base::sampling::{Stream, stream};
 /// Side of a block, as a share of the exemplar's mean side: two radii of the first level.
 const BLOCK: f64 = 1.0 / 3.0;
 /// Places tried for a block: random ones, and ones that put an element on an equal one.
-const RANDOM: usize = 20;
-const ALIGNED: usize = 28;
-/// Costs of clashes, for each element area, of open places, and of pairs unlike any of the exemplar.
+const RANDOM: usize = 12;
+const ALIGNED: usize = 24;
+/// Costs of clashes, for each element area, of open places, of pairs unlike any of the exemplar, and of equal elements
+/// nearer to each other than in the exemplar.
 const CLASH: f64 = 4.0;
 const OPEN: f64 = 2.0;
 const STRANGE: f64 = 1.0;
+const TWINS: f64 = 0.4;
 /// By how much another place may be worse than going on.
-const CHANGE: f64 = 0.4;
+const CHANGE: f64 = 0.45;
+/// Places compared by the shares of figures.
+const COMPARED: usize = 8;
 /// Grid on which open places are sought.
 const GRID: f64 = 16.0;
 /// Places of which one is drawn: those whose cost is at most so much above the least.
@@ -33,6 +37,28 @@ const DRAWN: f64 = 0.06;
 struct CanvasBlock {
     low: [f64; 2],
     size: [f64; 2],
+}
+
+impl CanvasBlock {
+    fn middle(&self) -> [f64; 2] {
+        [self.low[0] + 0.5 * self.size[0], self.low[1] + 0.5 * self.size[1]]
+    }
+
+    /// The way from the corner to a point.
+    fn within(&self, p: [f64; 2]) -> [f64; 2] {
+        [p[0] - self.low[0], p[1] - self.low[1]]
+    }
+
+    /// Distance of a point within from the border.
+    fn depth(&self, p: [f64; 2]) -> f64 {
+        let [x, y] = self.within(p);
+        x.min(y).min(self.size[0] - x).min(self.size[1] - y)
+    }
+
+    fn holds(&self, p: [f64; 2]) -> bool {
+        let within = self.within(p);
+        (0..2).all(|k| (0.0..self.size[k]).contains(&within[k]))
+    }
 }
 
 /// Fills a canvas with blocks. `variation`, 0 to 1, says how readily blocks come from elsewhere; with 0 the exemplar goes
@@ -69,6 +95,43 @@ pub(crate) fn blocks<'a>(
         }
     }
     Ok(board)
+}
+
+/// Displacements tried for a regular order, at most.
+const DISPLACEMENTS: usize = 60;
+/// Mean misfit up to which a displaced exemplar is the same.
+const REGULAR: f64 = 0.1;
+
+/// Whether the exemplar looks about the same when it is moved by less than its own period: whether it is regular.
+pub(crate) fn is_regular(relations: &PlaceRelations<'_>, period: PeriodicPlane) -> bool {
+    let (exemplar, places) = (relations.exemplar, &relations.exemplar.places);
+    let at: Vec<[f64; 2]> = places.iter().map(|p| p.at).collect();
+    let index = PointIndex::new(exemplar.page, relations.spacing, &at);
+    let shape = |k: usize| relations.shape[places[k].figure as usize];
+    // The element of the commonest shape, put on others of that shape.
+    let count = |k: usize| places.iter().filter(|p| relations.shape[p.figure as usize] == shape(k)).count();
+    let shapes: BTreeMap<u32, usize> = (0..places.len()).rev().map(|k| (shape(k), k)).collect();
+    let Some(first) = shapes.into_values().max_by_key(|k| (count(*k), std::cmp::Reverse(*k))) else {
+        return false;
+    };
+    let ways = (0..places.len())
+        .filter(|k| shape(*k) == shape(first))
+        .map(|k| [at[k][0] - at[first][0], at[k][1] - at[first][1]]);
+    let moves = |way: &[f64; 2]| {
+        let off = PeriodicPlane { wraps: [true; 2], ..period }.between([0.0; 2], *way);
+        length(off) > 0.3 * relations.spacing
+    };
+    ways.filter(moves).take(DISPLACEMENTS).any(|way| {
+        let misfit = |k: usize| {
+            let (to, mut least) = ([at[k][0] + way[0], at[k][1] + way[1]], 1.0f64);
+            index.within(to, relations.spacing, |other, off| {
+                let strange = relations.strangeness(places[k].figure, places[other].figure);
+                least = least.min(length(off) / relations.spacing + strange);
+            });
+            least
+        };
+        (0..places.len()).map(misfit).sum::<f64>() <= REGULAR * places.len() as f64
+    })
 }
 
 /// The elements of a block whose canvas is the exemplar moved by `offset`.
@@ -114,8 +177,9 @@ fn choose(
         // The first block of a canvas that is to repeat the exemplar is where it is in the exemplar.
         return if variation > 0.0 { anywhere(random) } else { [0.0; 2] };
     }
+    let open = OpenPoints::new(board, block);
     let first = going_on.iter().copied().filter(|o| fits(*o));
-    let least = first.map(|o| (cost(board, block, o), o)).min_by(|a, b| a.0.total_cmp(&b.0));
+    let least = first.map(|o| (cost(board, block, &open, o), o)).min_by(|a, b| a.0.total_cmp(&b.0));
     if variation <= 0.0
         && let Some((_, offset)) = least
     {
@@ -125,7 +189,7 @@ fn choose(
     let mut others: Vec<[f64; 2]> = aligned(board, block, random);
     others.extend((0..RANDOM).map(|_| anywhere(random)));
     others.retain(|o| fits(*o) && !going_on.iter().any(|g| same(*g, *o)));
-    let costs = vtex_base::parallel::map(&others, |o| cost(board, block, *o));
+    let costs = vtex_base::parallel::map(&others, |o| cost(board, block, &open, *o));
     let mut ranked: Vec<(f64, [f64; 2])> = costs.into_iter().zip(others).collect();
     ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
     let best = ranked.first().map_or(f64::INFINITY, |r| r.0);
@@ -134,23 +198,37 @@ fn choose(
     {
         return offset;
     }
-    let good = ranked.iter().take_while(|r| r.0 <= best + DRAWN).count();
-    match ranked.get(random.index(good)) {
-        Some(found) => found.1,
-        None => anywhere(random),
-    }
+    // Of about equally good ones that which keeps the shares of the categories best.
+    let mut good: Vec<[f64; 2]> = ranked.iter().take_while(|r| r.0 <= best + DRAWN).map(|r| r.1).collect();
+    random.shuffle(&mut good);
+    let balance = |offset: &[f64; 2]| imbalance(board, &contents(board.relations, block, *offset));
+    let balanced = good.iter().take(COMPARED).map(|o| (balance(o), *o)).min_by(|a, b| a.0.total_cmp(&b.0));
+    balanced.map_or_else(|| anywhere(random), |found| found.1)
 }
 
-/// Offsets that put an element of the exemplar on an equal one beside the block, or on one of its category.
+/// How far the shares of the classes on the canvas, with some more elements, are from those of the exemplar.
+fn imbalance(board: &Board<'_>, more: &[BoardElement]) -> f64 {
+    let mut counts = vec![0.0; board.relations.class_shares.len()];
+    let all = board.elements.iter().flatten().chain(more);
+    let mut total = 0.0;
+    for element in all {
+        counts[board.relations.class[board.figure(element.place) as usize] as usize] += 1.0;
+        total += 1.0;
+    }
+    let wanted = &board.relations.class_shares;
+    counts.iter().zip(wanted).map(|(n, share)| (n / f64::max(total, 1.0) - share).abs()).sum()
+}
+
+/// Offsets that put an element of the exemplar on one of its shape beside the block, or on one of its category.
 fn aligned(board: &Board<'_>, block: CanvasBlock, random: &mut Stream) -> Vec<[f64; 2]> {
     let exemplar = board.relations.exemplar;
-    let middle = [block.low[0] + 0.5 * block.size[0], block.low[1] + 0.5 * block.size[1]];
+    let middle = block.middle();
     let radius = 0.5 * length(block.size) + 0.7 * board.relations.spacing;
     let near = board.near(middle, radius);
-    let mut by_figure: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+    let mut by_shape: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
     let mut by_category: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
     for (k, place) in exemplar.places.iter().enumerate() {
-        by_figure.entry(place.figure).or_default().push(k as u32);
+        by_shape.entry(board.relations.shape[place.figure as usize]).or_default().push(k as u32);
         by_category.entry(exemplar.figures[place.figure as usize].category).or_default().push(k as u32);
     }
     let mut offsets = Vec::new();
@@ -158,7 +236,7 @@ fn aligned(board: &Board<'_>, block: CanvasBlock, random: &mut Stream) -> Vec<[f
         let (_, element, way) = near[random.index(near.len())];
         let figure = board.figure(element.place);
         let of = match n % 4 {
-            0..3 => &by_figure[&figure],
+            0..3 => &by_shape[&board.relations.shape[figure as usize]],
             _ => &by_category[&exemplar.figures[figure as usize].category],
         };
         let place = exemplar.places[of[random.index(of.len())] as usize];
@@ -170,55 +248,126 @@ fn aligned(board: &Board<'_>, block: CanvasBlock, random: &mut Stream) -> Vec<[f
 }
 
 /// How badly a block from a place of the exemplar suits the elements around it.
-fn cost(board: &Board<'_>, block: CanvasBlock, offset: [f64; 2]) -> f64 {
+fn cost(board: &Board<'_>, block: CanvasBlock, open: &OpenPoints, offset: [f64; 2]) -> f64 {
     let relations = board.relations;
     let own = contents(relations, block, offset);
     let (mut clash, mut area, mut strange, mut pairs) = (0.0, 0.0, 0.0, 0u32);
+    let mut twins = 0.0;
+    let largest = relations.reach.iter().copied().fold(0.0, f64::max);
     for element in &own {
         let figure = board.figure(element.place);
+        // Elements deep within the block meet none around it.
+        let deep = (2.0 * largest + relations.clearance).max(1.5 * relations.spacing);
+        if block.depth(element.at) > deep {
+            continue;
+        }
+        let near = board.near(element.at, 1.5 * relations.spacing);
+        let clashes = board.clashes(*element, None);
+        if near.is_empty() && clashes.is_empty() {
+            continue;
+        }
         let size = f64::from(relations.area(figure));
         area += size;
-        for (id, by) in board.clashes(*element, None) {
+        for (id, by) in clashes {
             let other = board.elements[id].map_or(size, |e| f64::from(relations.area(board.figure(e.place))));
             clash += (by / size.min(other).max(1.0)).min(1.0) * size;
         }
-        for (_, other, way) in board.near(element.at, 1.5 * relations.spacing) {
+        twins += board.twins(*element, None);
+        for (_, other, way) in near {
             strange += relations.misfit(element.place, board.figure(other.place), way);
             pairs += 1;
         }
     }
-    let open = open_share(board, block, &own);
+    // What the elements around expect within the block.
+    let middle = block.middle();
+    let at: Vec<[f64; 2]> = own.iter().map(|e| block.within(e.at)).collect();
+    let plane = PeriodicPlane { size: block.size, wraps: [false; 2] };
+    let index = PointIndex::new(plane, relations.spacing, &at);
+    for (_, element, way) in board.near(middle, 0.5 * length(block.size) + 1.5 * relations.spacing) {
+        for partner in &relations.partners[element.place as usize] {
+            if length(partner.way) > 1.5 * relations.spacing {
+                break;
+            }
+            let at = [middle[0] + way[0] + partner.way[0], middle[1] + way[1] + partner.way[1]];
+            if !block.holds(at) {
+                continue;
+            }
+            let wanted = relations.exemplar.places[partner.place as usize].figure;
+            let mut missed: f64 = 1.0;
+            index.within(block.within(at), relations.spacing, |k, way| {
+                let off = length(way) / relations.spacing;
+                missed = missed.min(off + relations.strangeness(wanted, board.figure(own[k].place)));
+            });
+            strange += missed;
+            pairs += 1;
+        }
+    }
+    let open = open.share(board, block, &own, offset);
     let strange = if pairs == 0 { 0.0 } else { strange / f64::from(pairs) };
-    CLASH * clash / area.max(1.0) + OPEN * open + STRANGE * strange
+    CLASH * clash / area.max(1.0) + OPEN * open + STRANGE * strange + TWINS * twins / own.len().max(1) as f64
 }
 
-/// Share of the points near the block's border to other elements that are too far from all elements.
-fn open_share(board: &Board<'_>, block: CanvasBlock, own: &[BoardElement]) -> f64 {
-    let relations = board.relations;
-    let middle = [block.low[0] + 0.5 * block.size[0], block.low[1] + 0.5 * block.size[1]];
-    let reach = 0.5 * length(block.size) + relations.reach.iter().copied().fold(0.0, f64::max) + relations.spacing;
-    let around = board.near(middle, reach).into_iter().map(|n| {
-        let at = [middle[0] + n.2[0], middle[1] + n.2[1]];
-        (n.1.place, at)
-    });
-    let all = around.chain(own.iter().map(|e| (e.place, e.at)));
-    let spots = all.flat_map(|(place, at)| {
-        let own = relations.spots_of(board.figure(place));
-        own.iter().map(move |s| [at[0] + s[0], at[1] + s[1]])
-    });
-    // Around the block lies a plane without seams.
-    let margin = reach + GRID;
-    let corner = [block.low[0] - margin, block.low[1] - margin];
-    let size = block.size.map(|v| v + 2.0 * margin);
-    let plane = PeriodicPlane { size, wraps: [false; 2] };
-    let spots: Vec<[f64; 2]> = spots.map(|p| [p[0] - corner[0], p[1] - corner[1]]).collect();
-    let index = PointIndex::new(plane, relations.hole.clamp(GRID, 100.0), &spots);
-    // What lies near the right and the lower border is for later blocks.
-    let count = block.size.map(|v| libm::ceil((v - relations.hole).max(0.4 * v) / GRID) as usize);
-    let mut open = 0u32;
-    for k in 0..count[0] * count[1] {
-        let at = [margin + GRID * (k % count[0]) as f64, margin + GRID * (k / count[0]) as f64];
-        open += u32::from(index.nearest(at, relations.hole + 1.0).is_none());
+/// The points of a block, on a grid, that are far from all elements around it.
+struct OpenPoints {
+    /// Ways from the block's corner.
+    points: Vec<[f64; 2]>,
+    /// Number of points of the grid.
+    all: usize,
+}
+
+impl OpenPoints {
+    fn new(board: &Board<'_>, block: CanvasBlock) -> Self {
+        let relations = board.relations;
+        let middle = block.middle();
+        let largest = relations.reach.iter().copied().fold(0.0, f64::max);
+        let around = board.near(middle, 0.5 * length(block.size) + largest + relations.hole.min(100.0));
+        let near =
+            around.into_iter().map(|n| (n.1.place, block.within([middle[0] + n.2[0], middle[1] + n.2[1]])));
+        let count = block.size.map(|v| libm::ceil(v / GRID) as usize);
+        let grid = (0..count[0] * count[1]).map(|k| [k % count[0], k / count[0]].map(|v| GRID * v as f64));
+        let points = far_from(board, block, near, grid.collect());
+        Self { points, all: count[0] * count[1] }
     }
-    f64::from(open) / (count[0] * count[1]) as f64
+
+    /// Share of the points that are far from the elements of the block, too, although the exemplar has an element there
+    /// that is not for later blocks.
+    fn share(&self, board: &Board<'_>, block: CanvasBlock, own: &[BoardElement], offset: [f64; 2]) -> f64 {
+        let local = |e: &BoardElement| (e.place, block.within(e.at));
+        let open = far_from(board, block, own.iter().map(local), self.points.clone());
+        if open.is_empty() {
+            return 0.0;
+        }
+        let margin =
+            board.relations.reach.iter().copied().fold(0.0, f64::max) + board.relations.hole.min(100.0);
+        let around = CanvasBlock { low: block.low.map(|v| v - margin), size: block.size.map(|v| v + margin) };
+        let expected = contents(board.relations, around, offset);
+        let count = open.len();
+        let right = far_from(board, block, expected.iter().map(local), open);
+        (count - right.len()) as f64 / self.all.max(1) as f64
+    }
+}
+
+/// The points that are far from all of some elements. Places are ways from the block's corner.
+fn far_from(
+    board: &Board<'_>,
+    block: CanvasBlock,
+    elements: impl Iterator<Item = (u32, [f64; 2])>,
+    points: Vec<[f64; 2]>,
+) -> Vec<[f64; 2]> {
+    let hole = board.relations.hole.min(100.0);
+    // Only what comes near the block counts.
+    let margin = hole + GRID;
+    let mut spots = Vec::new();
+    for (place, at) in elements {
+        for s in board.relations.spots_of(board.figure(place)) {
+            let p = [0, 1].map(|k| at[k] + s[k] + margin);
+            if (0..2).all(|k| (0.0..block.size[k] + 2.0 * margin).contains(&p[k])) {
+                spots.push(p);
+            }
+        }
+    }
+    let plane = PeriodicPlane { size: block.size.map(|v| v + 2.0 * margin), wraps: [false; 2] };
+    let index = PointIndex::new(plane, hole.max(GRID), &spots);
+    let far = |p: &[f64; 2]| !index.any([p[0] + margin, p[1] + margin], hole + 1.0);
+    points.into_iter().filter(far).collect()
 }

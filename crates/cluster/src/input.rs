@@ -11,10 +11,10 @@ pub(crate) const CONTEXT_WEIGHT: f64 = 10.0;
 /// Difference of colours in Oklab that counts as complete.
 const OTHER_COLOUR: f64 = 0.25;
 /// Mean number of samples in a neighbourhood: the radius is reduced to that.
-const NEIGHBOURS: f64 = 30.0;
+const NEIGHBOURS: f64 = 26.0;
 /// Most samples in a neighbourhood of the exemplar, and of the result.
-const MOST_NEAR: usize = 48;
-pub(crate) const MOST_NEAR_OUTPUT: usize = 36;
+const MOST_NEAR: usize = 40;
+pub(crate) const MOST_NEAR_OUTPUT: usize = 30;
 /// Number of similar samples that each sample knows.
 pub(crate) const SIMILAR: usize = 3;
 /// Samples with which each is compared to find similar ones, at most.
@@ -47,6 +47,8 @@ pub(crate) struct InputSamples {
     /// Samples near each.
     pub(crate) near: Vicinity,
     pub(crate) index: PointIndex,
+    /// Whether contexts do not count.
+    pub(crate) without_context: bool,
     /// Unit of contexts.
     pub(crate) unit: f64,
     /// The different contexts, and which of them each sample has.
@@ -91,7 +93,8 @@ impl InputSamples {
             first.push(points.len() as u32);
         }
         // So many samples that a neighbourhood has about as many as the paper's.
-        let mean = libm::sqrt(NEIGHBOURS * exemplar.page.area() / points.len().max(1) as f64 / std::f64::consts::PI);
+        let mean =
+            libm::sqrt(NEIGHBOURS * exemplar.page.area() / points.len().max(1) as f64 / std::f64::consts::PI);
         let scale = LevelScale { radius: scale.radius.min(mean.max(1.5 * scale.distance)), ..scale };
         let reach = scale.radius + 0.5 * scale.distance;
         let index = PointIndex::new(exemplar.page, reach, &points);
@@ -104,11 +107,15 @@ impl InputSamples {
             first,
             figure: exemplar.places.iter().map(|p| p.figure).collect(),
             placeable: exemplar.places.iter().map(|p| p.placeable).collect(),
-            category: place.iter().map(|k| exemplar.figures[exemplar.places[*k as usize].figure as usize].category).collect(),
+            category: place
+                .iter()
+                .map(|k| exemplar.figures[exemplar.places[*k as usize].figure as usize].category)
+                .collect(),
             place,
             of_figure,
             near,
             index,
+            without_context: false,
             unit,
             contexts: different,
             known,
@@ -133,7 +140,8 @@ impl InputSamples {
 
     /// Cost of the difference in colour between two samples.
     pub(crate) fn colour_cost(&self, a: u32, b: u32) -> f64 {
-        self.colours[self.category[a as usize] as usize * self.categories + self.category[b as usize] as usize]
+        self.colours
+            [self.category[a as usize] as usize * self.categories + self.category[b as usize] as usize]
     }
 
     /// The samples of the place that a sample belongs to.
@@ -179,7 +187,8 @@ impl InputSamples {
             for (s, share) in [(sector, 1.0 - (turn - sector)), (sector + 1.0, turn - sector)] {
                 for (r, part) in [(inner, 1.0 - (ring - inner)), (inner + 1.0, ring - inner)] {
                     if part > 0.0 {
-                        counts[(r as usize).min(RINGS - 1) * SECTORS + s as usize % SECTORS] += (share * part) as f32;
+                        counts[(r as usize).min(RINGS - 1) * SECTORS + s as usize % SECTORS] +=
+                            (share * part) as f32;
                     }
                 }
             }

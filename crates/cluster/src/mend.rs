@@ -8,6 +8,7 @@ use crate::board::{Board, BoardElement};
 use std::cmp::Reverse;
 use std::collections::{BTreeSet, BinaryHeap};
 use vtex_base::error::Result;
+use vtex_base::sampling::stream;
 
 /// Rounds of moves, and their lengths in units of the spacing.
 const ROUNDS: usize = 6;
@@ -19,6 +20,11 @@ const FITTING: f64 = 0.1;
 /// Covered area, as a share of the exemplar's, from which elements are removed, and up to which they are added.
 const MOST: f64 = 1.06;
 const LEAST: f64 = 1.0;
+/// Covered area, as a share of the exemplar's, below which elements are scattered; how many places are tried, and how
+/// near to an equal one an element may be.
+const SPARSE: f64 = 0.9;
+const DARTS: usize = 4000;
+const BESIDE: f64 = 0.75;
 /// Operations between two questions whether to go on.
 const OPERATIONS: usize = 64;
 
@@ -37,11 +43,12 @@ pub struct MendCounts {
 ///
 /// # Errors
 /// Those of `go_on`.
-pub(crate) fn mend(board: &mut Board<'_>, go_on: &dyn Fn() -> Result<()>) -> Result<MendCounts> {
+pub(crate) fn mend(board: &mut Board<'_>, seed: u64, go_on: &dyn Fn() -> Result<()>) -> Result<MendCounts> {
     let mut counts = MendCounts::default();
     part(board, &mut counts, go_on)?;
     remove_clashing(board, &mut counts, go_on)?;
     fill(board, &mut counts, go_on)?;
+    scatter(board, seed, &mut counts, go_on)?;
     thin(board, &mut counts, go_on)?;
     Ok(counts)
 }
@@ -58,7 +65,7 @@ fn part(board: &mut Board<'_>, counts: &mut MendCounts, go_on: &dyn Fn() -> Resu
     for _ in 0..ROUNDS {
         let mut next = BTreeSet::new();
         for (n, id) in open.iter().copied().enumerate() {
-            if n % OPERATIONS == 0 {
+            if usize::is_multiple_of(n, OPERATIONS) {
                 go_on()?;
             }
             let Some(element) = board.elements[id] else { continue };
@@ -73,7 +80,8 @@ fn part(board: &mut Board<'_>, counts: &mut MendCounts, go_on: &dyn Fn() -> Resu
                     let (s, c) = libm::sincos(std::f64::consts::TAU * k as f64 / DIRECTIONS as f64);
                     let by = step * board.relations.spacing;
                     let at = [element.at[0] + by * c, element.at[1] + by * s];
-                    let sum: f64 = board.clashes(BoardElement { at, ..element }, Some(id)).iter().map(|c| c.1).sum();
+                    let sum: f64 =
+                        board.clashes(BoardElement { at, ..element }, Some(id)).iter().map(|c| c.1).sum();
                     if sum < best.0 {
                         best = (sum, Some(at));
                     }
@@ -115,7 +123,7 @@ fn remove_clashing(
     };
     let mut queue: BinaryHeap<(u64, Reverse<usize>)> = BinaryHeap::new();
     for id in 0..board.elements.len() {
-        if id % OPERATIONS == 0 {
+        if usize::is_multiple_of(id, OPERATIONS) {
             go_on()?;
         }
         queue.extend(rank(board, id).map(|r| (r, Reverse(id))));
@@ -123,7 +131,7 @@ fn remove_clashing(
     let mut n = 0;
     while let Some((old, Reverse(id))) = queue.pop() {
         n += 1;
-        if n % OPERATIONS == 0 {
+        if usize::is_multiple_of(n, OPERATIONS) {
             go_on()?;
         }
         match rank(board, id) {
@@ -145,9 +153,17 @@ fn wanted(board: &Board<'_>) -> f64 {
     all * board.plane.area() / relations.exemplar.page.area()
 }
 
+/// Covered area as a share of the exemplar's.
+pub(crate) fn fullness(board: &Board<'_>) -> f64 {
+    board.area / wanted(board).max(1.0)
+}
+
 /// Adds what neighbours propose and no element stands against, the best fitting first, up to the exemplar's area.
 fn fill(board: &mut Board<'_>, counts: &mut MendCounts, go_on: &dyn Fn() -> Result<()>) -> Result<()> {
     let wanted = wanted(board);
+    if fullness(board) >= LEAST {
+        return Ok(());
+    }
     let mut queue: BinaryHeap<(i64, Reverse<u32>, [i64; 2])> = BinaryHeap::new();
     let rank = |board: &Board<'_>, element: BoardElement| -> Option<i64> {
         if !board.is_free(element) {
@@ -170,7 +186,7 @@ fn fill(board: &mut Board<'_>, counts: &mut MendCounts, go_on: &dyn Fn() -> Resu
         }
     };
     for id in 0..board.elements.len() {
-        if id % OPERATIONS == 0 {
+        if usize::is_multiple_of(id, OPERATIONS) {
             go_on()?;
         }
         propose(board, id, &mut queue);
@@ -178,22 +194,50 @@ fn fill(board: &mut Board<'_>, counts: &mut MendCounts, go_on: &dyn Fn() -> Resu
     let mut n = 0;
     while let Some((old, Reverse(place), at)) = queue.pop() {
         n += 1;
-        if n % OPERATIONS == 0 {
+        if usize::is_multiple_of(n, OPERATIONS) {
             go_on()?;
         }
         let element = BoardElement { place, at: at.map(|v| v as f64 * 1e-6) };
         let size = f64::from(board.relations.area(board.figure(place)));
-        match rank(board, element) {
+        let Some(now) = rank(board, element) else { continue };
+        if now < old {
+            queue.push((now, Reverse(place), at));
+        } else if board.area + 0.5 * size <= LEAST * wanted {
             // As near to the wanted area as one element allows.
-            Some(now) if now >= old => {
-                if board.area + 0.5 * size <= LEAST * wanted {
-                    let id = board.add(element);
-                    counts.added += 1;
-                    propose(board, id, &mut queue);
-                }
-            }
-            Some(now) => queue.push((now, Reverse(place), at)),
-            None => {}
+            let id = board.add(element);
+            counts.added += 1;
+            propose(board, id, &mut queue);
+        }
+    }
+    Ok(())
+}
+
+/// Adds elements at random free places where neighbours proposed too few, as for an exemplar of one element.
+fn scatter(
+    board: &mut Board<'_>,
+    seed: u64,
+    counts: &mut MendCounts,
+    go_on: &dyn Fn() -> Result<()>,
+) -> Result<()> {
+    let wanted = wanted(board);
+    let places = &board.relations.exemplar.places;
+    let placeable: Vec<u32> = (0..places.len() as u32).filter(|k| places[*k as usize].placeable).collect();
+    let mut random = stream(seed, "cluster/scatter", 0);
+    for n in 0..DARTS {
+        if board.area >= SPARSE * wanted {
+            break;
+        }
+        if usize::is_multiple_of(n, OPERATIONS) {
+            go_on()?;
+        }
+        let place = placeable[random.index(placeable.len())];
+        let at = board.plane.size.map(|side| random.range(0.0, side));
+        let element = BoardElement { place, at };
+        let size = f64::from(board.relations.area(board.figure(place)));
+        if board.area + 0.5 * size <= wanted && board.is_free(element) && board.twins(element, None) < BESIDE
+        {
+            board.add(element);
+            counts.added += 1;
         }
     }
     Ok(())
@@ -207,7 +251,7 @@ fn thin(board: &mut Board<'_>, counts: &mut MendCounts, go_on: &dyn Fn() -> Resu
     }
     let mut order: Vec<(f64, usize)> = Vec::new();
     for id in 0..board.elements.len() {
-        if id % OPERATIONS == 0 {
+        if usize::is_multiple_of(id, OPERATIONS) {
             go_on()?;
         }
         if let Some(element) = board.elements[id] {

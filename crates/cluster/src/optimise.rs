@@ -5,10 +5,10 @@ use crate::clustering::{ClusterOperations, ClusteringParts, improve_clusters};
 use crate::depth::ordered;
 use crate::existence::add_missing;
 use crate::figures::ClusterExemplar;
-use crate::initial::blocks;
+use crate::initial::{blocks, is_regular};
 use crate::input::{InputSamples, LevelScale};
 use crate::matching::NONE;
-use crate::mend::{MendCounts, mend};
+use crate::mend::{MendCounts, fullness, mend};
 use crate::output::OutputSamples;
 use crate::positions::improve_positions;
 use crate::rebuild::{rebuilt, sampled};
@@ -18,6 +18,7 @@ use crate::space::{PeriodicPlane, length};
 use crate::votes::PairVotes;
 use std::collections::BTreeMap;
 use vtex_base::error::{Error, Large, Result};
+use vtex_base::sampling::stream;
 
 /// Mean side of the exemplar, in the lengths of the optimiser.
 const SIDE: f64 = 400.0;
@@ -27,6 +28,13 @@ const LEVELS: [LevelScale; 3] = [
     LevelScale { distance: 1.0 / 30.0, radius: 1.0 / 8.0 },
     LevelScale { distance: 1.0 / 40.0, radius: 1.0 / 12.0 },
 ];
+/// Samples of an element of the mean size at most, on each level; and how many a square of the sample distance holds.
+const SAMPLES: [f64; 3] = [8.0, 16.0, 24.0];
+const PACKING: f64 = 1.3;
+/// Variation of a regular exemplar, in which a block out of line is seen at once.
+const STRICT: f64 = 0.25;
+/// Covered area, as a share of the exemplar's, from which a first arrangement is taken.
+const FULL: f64 = 0.96;
 /// Iterations of a level at most, and the change of energy below which it ends earlier.
 const ITERATIONS: usize = 7;
 const SETTLED: f64 = 0.01;
@@ -53,6 +61,8 @@ pub struct ClusterParams {
     pub variation: f64,
     /// Parts of clustering that are left out.
     pub without: ClusteringParts,
+    /// Whether samples do not know where they lie within their cluster.
+    pub without_context: bool,
     /// Whether the painting order is left as chance has it.
     pub without_depth: bool,
 }
@@ -120,13 +130,12 @@ pub fn cluster(
     let plane = canvas(&own, params, unit, largest);
     let relations = PlaceRelations::new(&scene);
     go_on()?;
-    let mut board = blocks(&relations, plane, (params.variation, params.seed), go_on)?;
-    let first = mend(&mut board, go_on)?;
+    let (mut board, first) = first_arrangement(&relations, plane, (own.page, params), go_on)?;
     let mut levels = Vec::new();
     let mut last = None;
-    for level in LEVELS {
-        let scale = LevelScale { distance: level.distance * SIDE, radius: level.radius * SIDE };
-        let input = InputSamples::new(&scene, scale, params.seed);
+    for scale in scales(&relations) {
+        let mut input = InputSamples::new(&scene, scale, params.seed);
+        input.without_context = params.without_context;
         go_on()?;
         let expected = input.len() as f64 * plane.area() / scene.page.area();
         if expected > MOST_SAMPLES {
@@ -136,7 +145,7 @@ pub fn cluster(
         let (new, of_cluster) = rebuilt(&output, &input, &relations, plane);
         board = new;
         report.clusters = [of_cluster.len(), of_cluster.iter().filter(|c| **c != NONE).count()];
-        report.mended = mend(&mut board, go_on)?;
+        report.mended = mend(&mut board, params.seed, go_on)?;
         levels.push(report);
         last = Some((output, votes, of_cluster, scale.distance));
     }
@@ -159,6 +168,44 @@ pub fn cluster(
     Ok(ClusterResult { elements: elements.collect(), levels })
 }
 
+/// Blocks, mended. Where they lose too much, as blocks of interlocking swatches do, they vary less.
+fn first_arrangement<'a>(
+    relations: &'a PlaceRelations<'a>,
+    plane: PeriodicPlane,
+    (period, params): (PeriodicPlane, &ClusterParams),
+    go_on: &dyn Fn() -> Result<()>,
+) -> Result<(Board<'a>, MendCounts)> {
+    let variation = if is_regular(relations, period) { STRICT * params.variation } else { params.variation };
+    go_on()?;
+    let mut kept: Option<(f64, Board<'a>, MendCounts)> = None;
+    for part in [1.0, 0.5, 0.2, 0.0] {
+        let mut board = blocks(relations, plane, (variation * part, params.seed), go_on)?;
+        let counts = mend(&mut board, params.seed, go_on)?;
+        let fullness = fullness(&board);
+        if kept.as_ref().is_none_or(|k| fullness > k.0) {
+            kept = Some((fullness, board, counts));
+        }
+        if params.variation == 0.0 || kept.as_ref().is_some_and(|k| k.0 >= FULL) {
+            break;
+        }
+    }
+    let (_, board, counts) =
+        kept.unwrap_or_else(|| (0.0, Board::new(plane, relations), MendCounts::default()));
+    Ok((board, counts))
+}
+
+/// Lengths of the levels: those of the paper, but no shorter than elements of the mean size need.
+fn scales(relations: &PlaceRelations<'_>) -> [LevelScale; 3] {
+    let places = &relations.exemplar.places;
+    let area: f64 = places.iter().map(|p| f64::from(relations.area(p.figure))).sum();
+    let mean = area / places.len() as f64;
+    std::array::from_fn(|k| {
+        let [distance, radius] = [LEVELS[k].distance * SIDE, LEVELS[k].radius * SIDE];
+        let by = (libm::sqrt(mean / (PACKING * SAMPLES[k])) / distance).max(1.0);
+        LevelScale { distance: by * distance, radius: by * radius }
+    })
+}
+
 /// Refuses what is too large.
 fn check(own: &ClusterExemplar, params: &ClusterParams, (unit, least): (f64, f64)) -> Result<()> {
     let page = own.page;
@@ -167,8 +214,14 @@ fn check(own: &ClusterExemplar, params: &ClusterParams, (unit, least): (f64, f64
     let count = own.places.len() as f64 * params.size[0] * params.size[1] * unit * unit / page.area();
     let small = (0..2).any(|k| params.tile[k] && params.size[k] * unit < least.min(2.0 * page.size[k]) * 0.5);
     let (found, limit) = if places > MOST_PLACES as f64 {
-        (format!("a drawing of {} elements that has to be repeated {} times", own.places.len(), times(0) * times(1)),
-         format!("{MOST_PLACES} elements in all copies"))
+        (
+            format!(
+                "a drawing of {} elements that has to be repeated {} times",
+                own.places.len(),
+                times(0) * times(1)
+            ),
+            format!("{MOST_PLACES} elements in all copies"),
+        )
     } else if count > MOST_ELEMENTS {
         (format!("about {count:.0} elements"), format!("{MOST_ELEMENTS:.0}"))
     } else if small {
@@ -227,7 +280,10 @@ pub(crate) fn level_of(
         iteration += 1;
         let still = added == 0 && done == ClusterOperations::default();
         let settled = before.is_some_and(|b| (b - energy).abs() <= SETTLED * b);
-        if iteration == ITERATIONS || energy <= 1e-9 && still || settled && (still || iteration > ITERATIONS / 2) {
+        if iteration == ITERATIONS
+            || energy <= 1e-9 && still
+            || settled && (still || iteration > ITERATIONS / 2)
+        {
             report.samples = [input.len(), output.len()];
             return Ok((output, votes, report));
         }
@@ -243,7 +299,9 @@ fn painting_order(
 ) -> Result<Vec<BoardElement>> {
     let mut ids: Vec<usize> = (0..board.elements.len()).filter(|id| board.elements[*id].is_some()).collect();
     if params.without_depth {
-        return Ok(board.standing());
+        let mut all = board.standing();
+        stream(params.seed, "cluster/order", 0).shuffle(&mut all);
+        return Ok(all);
     }
     // Where nothing is known, the order is the exemplar's.
     ids.sort_by_key(|id| (board.elements[*id].map(|e| e.place), *id));
@@ -276,7 +334,7 @@ fn painting_order(
     let mut preferences: BTreeMap<[u32; 2], f64> = BTreeMap::new();
     let largest = relations.reach.iter().copied().fold(0.0, f64::max);
     for (n, &id) in ids.iter().enumerate() {
-        if n % 64 == 0 {
+        if usize::is_multiple_of(n, 64) {
             go_on()?;
         }
         let Some(element) = board.elements[id] else { continue };
@@ -284,7 +342,8 @@ fn painting_order(
         for (other, there, way) in board.near(element.at, relations.reach[figure as usize] + largest) {
             let (a, b) = (rank[id], rank[other]);
             let there = board.figure(there.place);
-            let meets = a < b && length(way) < relations.reach[figure as usize] + relations.reach[there as usize];
+            let meets =
+                a < b && length(way) < relations.reach[figure as usize] + relations.reach[there as usize];
             if !meets || relations.overlap(figure, there, way) == 0 {
                 continue;
             }

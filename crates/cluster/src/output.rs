@@ -14,11 +14,20 @@ pub(crate) struct OutputSamples {
     pub(crate) clusters: u32,
     /// The sample of the exemplar whose neighbourhood is the most similar (μ).
     pub(crate) source: Vec<u32>,
+    /// The sample of the exemplar that it was copied from, whose colour it keeps.
+    pub(crate) copied: Vec<u32>,
 }
 
 impl OutputSamples {
     pub(crate) fn new(plane: PeriodicPlane) -> Self {
-        Self { plane, points: Vec::new(), cluster: Vec::new(), clusters: 0, source: Vec::new() }
+        Self {
+            plane,
+            points: Vec::new(),
+            cluster: Vec::new(),
+            clusters: 0,
+            source: Vec::new(),
+            copied: Vec::new(),
+        }
     }
 
     pub(crate) fn len(&self) -> usize {
@@ -81,6 +90,10 @@ const STEP: f64 = CONTEXT_WEIGHT / 255.0;
 
 impl ContextCosts {
     pub(crate) fn new(output: &OutputSamples, input: &InputSamples) -> Self {
+        if input.without_context {
+            let width = input.contexts.len();
+            return Self { row: vec![0; output.len()], width, table: vec![0; width] };
+        }
         let members = output.members();
         let own = parallel::map(&members, |members| contexts(&output.unwrapped(members), input.unit));
         let mut of_sample: Vec<(Context, u32)> = Vec::with_capacity(output.len());

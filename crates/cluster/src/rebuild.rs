@@ -19,6 +19,7 @@ pub(crate) fn sampled(board: &Board<'_>, input: &InputSamples) -> OutputSamples 
             output.cluster.push(output.clusters);
             output.source.push(source as u32);
         }
+        output.copied.extend(input.cluster(element.place).map(|s| s as u32));
         output.clusters += 1;
     }
     output

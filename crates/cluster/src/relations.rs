@@ -19,6 +19,8 @@ const SAME: f64 = 1.5;
 const BORDER: f64 = 2.5;
 /// Share of the exemplar's page that is farther from all elements than those counted as holes.
 const OPEN: f64 = 0.02;
+/// Farthest that equal elements are noticed, in spacings.
+const TWINS: f64 = 3.0;
 /// Grid on which distances from elements are measured.
 const GRID: f64 = 8.0;
 
@@ -40,7 +42,10 @@ pub(crate) struct PlaceRelations<'a> {
     pub(crate) partners: Vec<Vec<ElementPartner>>,
     /// Largest overlap of two categories, as a share of the smaller element.
     shares: BTreeMap<[u32; 2], f64>,
-    /// Ways between figures that overlap or are nearer than the clearance.
+    /// Figures that look alike have one shape, whatever their colours; those that are also of one category one class.
+    pub(crate) shape: Vec<u32>,
+    pub(crate) class: Vec<u32>,
+    /// Ways between shapes that overlap or are nearer than the clearance.
     close: BTreeMap<[u32; 2], Vec<[f64; 2]>>,
     /// Of overlapping pairs of two categories: how many there are, and in how many the first lies beneath.
     beneath: BTreeMap<[u32; 2], [u32; 2]>,
@@ -49,6 +54,10 @@ pub(crate) struct PlaceRelations<'a> {
     pub(crate) spacing: f64,
     /// Distance from all elements that only few points of the page exceed.
     pub(crate) hole: f64,
+    /// Share of each class among all elements.
+    pub(crate) class_shares: Vec<f64>,
+    /// Least distance of elements of each class, at most a few spacings.
+    pub(crate) twin_distance: Vec<f64>,
     /// Points of each figure, close enough to tell how far others are.
     spots: Vec<Vec<[f64; 2]>>,
 }
@@ -104,6 +113,8 @@ impl<'a> PlaceRelations<'a> {
         let usual = nearest.get(nearest.len() / 10).copied().unwrap_or(0.0);
         let clearance = if usual < 2.0 * BORDER { 0.3 * usual } else { KEPT_CLEARANCE * usual };
         let figures = parallel::map(&exemplar.figures, |f| pixels(f, clearance));
+        let shape = shapes(&borders);
+        let class = classes(exemplar, &shape);
         let mut made = Self {
             exemplar,
             figures,
@@ -111,6 +122,10 @@ impl<'a> PlaceRelations<'a> {
             partners,
             shares: BTreeMap::new(),
             close: BTreeMap::new(),
+            class_shares: class_shares(exemplar, &class),
+            twin_distance: twin_distance(exemplar, &class, spacing),
+            shape,
+            class,
             beneath: BTreeMap::new(),
             clearance,
             spacing,
@@ -135,8 +150,9 @@ impl<'a> PlaceRelations<'a> {
             }
             let [fa, fb] = [a, b].map(|k| self.exemplar.places[k as usize].figure);
             let [ca, cb] = [fa, fb].map(|f| self.exemplar.figures[f as usize].category);
-            self.close.entry([fa, fb]).or_default().push(way);
-            self.close.entry([fb, fa]).or_default().push([-way[0], -way[1]]);
+            let [sa, sb] = [fa, fb].map(|f| self.shape[f as usize]);
+            self.close.entry([sa, sb]).or_default().push(way);
+            self.close.entry([sb, sa]).or_default().push([-way[0], -way[1]]);
             if overlap > 0 {
                 let share = f64::from(overlap) / f64::from(self.area(fa).min(self.area(fb)));
                 let known = self.shares.entry([ca.min(cb), ca.max(cb)]).or_insert(0.0);
@@ -160,6 +176,11 @@ impl<'a> PlaceRelations<'a> {
         self.figures[figure as usize][0].area
     }
 
+    #[cfg(test)]
+    pub(crate) fn pixels_of(&self, figure: u32) -> &FigurePixels {
+        &self.figures[figure as usize][0]
+    }
+
     /// Pixels that two figures share.
     pub(crate) fn overlap(&self, a: u32, b: u32, way: [f64; 2]) -> u32 {
         let by = way.map(|v| libm::round(v) as i32);
@@ -181,7 +202,7 @@ impl<'a> PlaceRelations<'a> {
         if grown == 0 {
             return 0.0;
         }
-        if let Some(known) = self.close.get(&[a, b])
+        if let Some(known) = self.close.get(&[a, b].map(|f| self.shape[f as usize]))
             && known.iter().any(|k| length([k[0] - way[0], k[1] - way[1]]) < SAME)
         {
             return 0.0;
@@ -199,13 +220,22 @@ impl<'a> PlaceRelations<'a> {
     /// How far a pair is from the most similar pair of the exemplar, in units of the spacing: 0 for one that the exemplar
     /// has, at most 1.
     pub(crate) fn misfit(&self, place: u32, other: u32, way: [f64; 2]) -> f64 {
-        let category = |f: u32| self.exemplar.figures[f as usize].category;
         let of = |p: &ElementPartner| {
             let off = length([p.way[0] - way[0], p.way[1] - way[1]]) / self.spacing;
-            let strange = category(self.exemplar.places[p.place as usize].figure) != category(other);
-            off + if strange { 0.25 } else { 0.0 }
+            off + self.strangeness(self.exemplar.places[p.place as usize].figure, other)
         };
         self.partners[place as usize].iter().map(of).fold(1.0, f64::min)
+    }
+
+    /// How unlike two figures are: 0 for equal ones.
+    pub(crate) fn strangeness(&self, a: u32, b: u32) -> f64 {
+        let category = |f: u32| self.exemplar.figures[f as usize].category;
+        let [same, alike] = [self.shape[a as usize] == self.shape[b as usize], category(a) == category(b)];
+        match (same, alike) {
+            (true, true) => 0.0,
+            (true, false) | (false, true) => 0.1,
+            (false, false) => 0.25,
+        }
     }
 
     /// Distance from elements that [`OPEN`] of the page exceeds.
@@ -228,7 +258,7 @@ impl<'a> PlaceRelations<'a> {
 
 /// Points of a figure, some pixels apart.
 fn spots(own: &FigurePixels) -> Vec<[f64; 2]> {
-    let step = (GRID / 2.0) as usize;
+    let step = GRID as usize;
     let mut spots = Vec::new();
     for y in (own.rows[0]..own.rows[1]).step_by(step) {
         for run in own.runs_of(y) {
@@ -237,6 +267,69 @@ fn spots(own: &FigurePixels) -> Vec<[f64; 2]> {
         }
     }
     spots
+}
+
+/// Largest difference of the borders of figures that look alike.
+const ALIKE: f64 = 2.0;
+/// Shapes with which a figure is compared at most.
+const COMPARED: usize = 64;
+
+/// For each figure the first that looks alike, numbered without gaps.
+fn shapes(borders: &[Vec<[f64; 2]>]) -> Vec<u32> {
+    let bounds = |b: &Vec<[f64; 2]>| -> [f64; 4] {
+        b.iter().fold([f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY], |r, p| {
+            [r[0].min(p[0]), r[1].min(p[1]), r[2].max(p[0]), r[3].max(p[1])]
+        })
+    };
+    let near = |a: &[[f64; 2]], b: &[[f64; 2]]| {
+        a.iter().all(|p| b.iter().any(|q| length([q[0] - p[0], q[1] - p[1]]) < ALIKE))
+    };
+    let mut known: Vec<(usize, [f64; 4])> = Vec::new();
+    let mut found = Vec::with_capacity(borders.len());
+    for (k, own) in borders.iter().enumerate() {
+        let box_of = bounds(own);
+        let fits = |other: &[f64; 4]| (0..4).all(|k| (other[k] - box_of[k]).abs() < ALIKE);
+        let mut alike = known.iter().enumerate().filter(|(_, o)| fits(&o.1)).take(COMPARED);
+        let like = alike.find(|(_, (other, _))| near(own, &borders[*other]) && near(&borders[*other], own));
+        let shape = like.map_or(known.len(), |l| l.0);
+        if shape == known.len() {
+            known.push((k, box_of));
+        }
+        found.push(shape as u32);
+    }
+    found
+}
+
+/// For each figure the number of its shape and category together.
+fn classes(exemplar: &ClusterExemplar, shape: &[u32]) -> Vec<u32> {
+    let mut known: BTreeMap<(u32, u32), u32> = BTreeMap::new();
+    let of = |(figure, shape): (&Figure, &u32)| {
+        let next = known.len() as u32;
+        *known.entry((*shape, figure.category)).or_insert(next)
+    };
+    exemplar.figures.iter().zip(shape).map(of).collect()
+}
+
+fn class_shares(exemplar: &ClusterExemplar, class: &[u32]) -> Vec<f64> {
+    let mut counts = vec![0.0; class.len()];
+    exemplar.places.iter().for_each(|p| counts[class[p.figure as usize] as usize] += 1.0);
+    counts.iter().map(|n| n / exemplar.places.len().max(1) as f64).collect()
+}
+
+/// Least distance of elements of each class, at most [`TWINS`] spacings.
+fn twin_distance(exemplar: &ClusterExemplar, class: &[u32], spacing: f64) -> Vec<f64> {
+    let mut least = vec![TWINS * spacing; class.len()];
+    let at: Vec<[f64; 2]> = exemplar.places.iter().map(|p| p.at).collect();
+    let index = PointIndex::new(exemplar.page, TWINS * spacing, &at);
+    for (k, place) in exemplar.places.iter().enumerate() {
+        let own = class[place.figure as usize];
+        index.within(place.at, TWINS * spacing, |other, way| {
+            if other != k && class[exemplar.places[other].figure as usize] == own {
+                least[own as usize] = least[own as usize].min(length(way));
+            }
+        });
+    }
+    least
 }
 
 /// Farthest distance that is told apart from others.

@@ -56,7 +56,7 @@ impl Comparison<'_> {
         let own = near.range(sample);
         let columns = input.near.range(source as usize);
         let context = |of: &[u8], i: u32| ContextCosts::cost(of[input.context[i as usize] as usize]);
-        let mut total = context(costs.of(sample), source) + input.colour_cost(output.source[sample], source);
+        let mut total = context(costs.of(sample), source) + input.colour_cost(output.copied[sample], source);
         // Samples of the exemplar that the neighbourhood should have, but for those at its rim.
         let reach = if own.len() < MOST_NEAR_OUTPUT {
             input.scale.radius
@@ -75,7 +75,7 @@ impl Comparison<'_> {
         let mut least = 0.0;
         for k in own {
             let (way, other) = (near.ways[k], near.ids[k] as usize);
-            let (of, colour) = (costs.of(other), output.source[other]);
+            let (of, colour) = (costs.of(other), output.copied[other]);
             least = assignment.row(ids.iter().zip(ways).enumerate().map(|(c, (&i, w))| {
                 let (x, y) = (way[0] - w[0], way[1] - w[1]);
                 let far = x * x + y * y;
@@ -107,6 +107,10 @@ impl Comparison<'_> {
                 best = (source, found, self.assignment.of_row().iter().map(of).collect());
             }
             tried += 1;
+            // As good as a copy.
+            if best.1 <= 0.01 * self.input.scale.distance * self.near.range(sample).len() as f64 {
+                break;
+            }
             let good = 0.05 * self.input.scale.distance * self.near.range(sample).len() as f64;
             if tried == candidates.len() && !extended && best.1 > good {
                 extended = true;
@@ -164,8 +168,7 @@ pub(crate) fn search(
     for pieces in pieces.chunks(PIECES) {
         let of_piece = |&first: &usize| {
             let assignment = DenseAssignment::default();
-            let mut comparison =
-                Comparison { input, output, costs: &costs, near: &near, assignment };
+            let mut comparison = Comparison { input, output, costs: &costs, near: &near, assignment };
             (first..(first + PIECE).min(output.len())).map(|s| comparison.best(s)).collect::<Vec<_>>()
         };
         for (source, distance, of) in parallel::map(pieces, of_piece).into_iter().flatten() {

@@ -104,7 +104,9 @@ fn compared(
         let index = PointIndex::new(plane, most, &at);
         let entries = |r: &[f64; 2]| {
             let mut near = Vec::new();
-            index.within(moved(r), most, |c, way| near.push((c as u32, (length(way) / distance * STEPS) as i64)));
+            index.within(moved(r), most, |c, way| {
+                near.push((c as u32, (length(way) / distance * STEPS) as i64))
+            });
             near.sort_unstable();
             near
         };

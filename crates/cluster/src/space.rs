@@ -127,6 +127,13 @@ impl PointIndex {
         }
     }
 
+    /// Whether a point is closer than `radius`.
+    pub(crate) fn any(&self, centre: [f64; 2], radius: f64) -> bool {
+        let mut found = false;
+        self.within(centre, radius, |_, _| found = true);
+        found
+    }
+
     /// The nearest point closer than `radius`, and its distance; of equally near ones the first.
     pub(crate) fn nearest(&self, centre: [f64; 2], radius: f64) -> Option<(usize, f64)> {
         let mut best: Option<(usize, f64)> = None;
@@ -208,7 +215,8 @@ mod tests {
                     let mut found = Vec::new();
                     index.within(*p, reach, |id, _| found.push(id));
                     found.sort_unstable();
-                    let near = |q: &[f64; 2]| length(plane.between(plane.wrapped(*p), plane.wrapped(*q))) < reach;
+                    let near =
+                        |q: &[f64; 2]| length(plane.between(plane.wrapped(*p), plane.wrapped(*q))) < reach;
                     let wanted: Vec<usize> = (0..points.len()).filter(|i| near(&points[*i])).collect();
                     assert_eq!(found, wanted, "{wraps:?} {reach}");
                 }

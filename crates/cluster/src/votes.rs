@@ -34,7 +34,9 @@ impl PairVotes {
                 let before = counts.len();
                 counts.resize(before + own.len(), [0u16; 3]);
                 own.clone().for_each(|k| slot[near.ids[k] as usize] = (k - own.start) as u32);
-                for &(centre, match_of_s) in &holders.of[holders.starts[s] as usize..holders.starts[s + 1] as usize] {
+                for &(centre, match_of_s) in
+                    &holders.of[holders.starts[s] as usize..holders.starts[s + 1] as usize]
+                {
                     let (place, centre) = (input.place[match_of_s as usize], centre as usize);
                     let mut count = |other: u32, matched: u32| {
                         let k = slot[other as usize];
