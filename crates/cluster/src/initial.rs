@@ -25,6 +25,8 @@ const STRANGE: f64 = 1.0;
 const TWINS: f64 = 0.4;
 /// By how much another place may be worse than going on.
 const CHANGE: f64 = 0.45;
+/// Places whose costs are computed between two questions whether to go on.
+const AT_ONCE: usize = 8;
 /// Places compared by the shares of figures.
 const COMPARED: usize = 8;
 /// Grid on which open places are sought.
@@ -87,7 +89,7 @@ pub(crate) fn blocks<'a>(
             let mut random = stream(seed, "cluster/blocks", offsets.len() as u64);
             let beside = [(i > 0).then(|| offsets.len() - 1), (j > 0).then(|| offsets.len() - count[0])];
             let going_on: Vec<[f64; 2]> = beside.into_iter().flatten().map(|k| offsets[k]).collect();
-            let offset = choose(&board, block, &going_on, variation, &mut random);
+            let offset = choose(&board, block, &going_on, (variation, &mut random), go_on)?;
             for element in contents(relations, block, offset) {
                 board.add(element);
             }
@@ -99,6 +101,8 @@ pub(crate) fn blocks<'a>(
 
 /// Displacements tried for a regular order, at most.
 const DISPLACEMENTS: usize = 60;
+/// Elements looked at under each displacement, at most.
+const LOOKED_AT: usize = 500;
 /// Mean misfit up to which a displaced exemplar is the same.
 const REGULAR: f64 = 0.1;
 
@@ -130,7 +134,8 @@ pub(crate) fn is_regular(relations: &PlaceRelations<'_>, period: PeriodicPlane) 
             });
             least
         };
-        (0..places.len()).map(misfit).sum::<f64>() <= REGULAR * places.len() as f64
+        let some: Vec<usize> = (0..places.len()).step_by(places.len().div_ceil(LOOKED_AT)).collect();
+        some.iter().map(|k| misfit(*k)).sum::<f64>() <= REGULAR * some.len() as f64
     })
 }
 
@@ -156,9 +161,9 @@ fn choose(
     board: &Board<'_>,
     block: CanvasBlock,
     going_on: &[[f64; 2]],
-    variation: f64,
-    random: &mut Stream,
-) -> [f64; 2] {
+    (variation, random): (f64, &mut Stream),
+    go_on: &dyn Fn() -> Result<()>,
+) -> Result<[f64; 2]> {
     let page = board.relations.exemplar.page;
     // The exemplar has to cover the block.
     let fits = |offset: [f64; 2]| -> bool {
@@ -175,7 +180,7 @@ fn choose(
     };
     if board.elements.is_empty() {
         // The first block of a canvas that is to repeat the exemplar is where it is in the exemplar.
-        return if variation > 0.0 { anywhere(random) } else { [0.0; 2] };
+        return Ok(if variation > 0.0 { anywhere(random) } else { [0.0; 2] });
     }
     let open = OpenPoints::new(board, block);
     let first = going_on.iter().copied().filter(|o| fits(*o));
@@ -183,27 +188,31 @@ fn choose(
     if variation <= 0.0
         && let Some((_, offset)) = least
     {
-        return offset;
+        return Ok(offset);
     }
     let same = |a: [f64; 2], b: [f64; 2]| length(page.between(page.wrapped(a), page.wrapped(b))) < 2.0;
     let mut others: Vec<[f64; 2]> = aligned(board, block, random);
     others.extend((0..RANDOM).map(|_| anywhere(random)));
     others.retain(|o| fits(*o) && !going_on.iter().any(|g| same(*g, *o)));
-    let costs = vtex_base::parallel::map(&others, |o| cost(board, block, &open, *o));
+    let mut costs = Vec::with_capacity(others.len());
+    for some in others.chunks(AT_ONCE) {
+        costs.extend(vtex_base::parallel::map(some, |o| cost(board, block, &open, *o)));
+        go_on()?;
+    }
     let mut ranked: Vec<(f64, [f64; 2])> = costs.into_iter().zip(others).collect();
     ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
     let best = ranked.first().map_or(f64::INFINITY, |r| r.0);
     if let Some((stay, offset)) = least
         && best > stay + CHANGE * variation
     {
-        return offset;
+        return Ok(offset);
     }
     // Of about equally good ones that which keeps the shares of the categories best.
     let mut good: Vec<[f64; 2]> = ranked.iter().take_while(|r| r.0 <= best + DRAWN).map(|r| r.1).collect();
     random.shuffle(&mut good);
     let balance = |offset: &[f64; 2]| imbalance(board, &contents(board.relations, block, *offset));
     let balanced = good.iter().take(COMPARED).map(|o| (balance(o), *o)).min_by(|a, b| a.0.total_cmp(&b.0));
-    balanced.map_or_else(|| anywhere(random), |found| found.1)
+    Ok(balanced.map_or_else(|| anywhere(random), |found| found.1))
 }
 
 /// How far the shares of the classes on the canvas, with some more elements, are from those of the exemplar.
