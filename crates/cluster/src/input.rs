@@ -18,7 +18,7 @@ pub(crate) const MOST_NEAR_OUTPUT: usize = 30;
 /// Number of similar samples that each sample knows.
 pub(crate) const SIMILAR: usize = 3;
 /// Samples with which each is compared to find similar ones, at most.
-const COMPARED: usize = 1500;
+const COMPARED: usize = 500;
 
 /// Lengths of a level.
 #[derive(Clone, Copy, Debug, PartialEq)]
