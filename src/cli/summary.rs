@@ -13,7 +13,7 @@ use vtex::output::reduce::GivenUp;
 use vtex::raster::colour::Colour;
 use vtex::scene::{Method, Role, Scene};
 use vtex::statistics::{Overlap, Repetition};
-use vtex::synth::{CategoryReport, Structure, SynthReport, layer_map};
+use vtex::synth::{CategoryReport, ClusterReport, Structure, SynthReport, layer_map};
 
 /// The summary of a command.
 #[derive(Debug, Serialize)]
@@ -70,6 +70,9 @@ pub(crate) struct Summary {
     /// Share of the places that repeat a drawing's own period.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) period: Option<f64>,
+    /// What the optimisation of clustered samples did.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) clusters: Option<ClusterReport>,
     /// Seconds by stage, in the order of the stages.
     pub(crate) seconds: Seconds,
     /// Most memory used, in bytes, where the system tells.
@@ -112,6 +115,7 @@ impl Summary {
             overlap: None,
             repetition: None,
             period: None,
+            clusters: None,
             seconds: Seconds(seconds),
             peak_memory: peak_memory(),
             warnings,
@@ -392,6 +396,9 @@ impl Summary {
             Some(Method::Correspondence) => Some("carried along from the exemplar (correspondence)"),
             Some(Method::Descriptor) => Some("placed one by one, by what stands around them (descriptor)"),
             Some(Method::Period) => Some("placed by the period of the drawing (period)"),
+            Some(Method::Clustered) => {
+                Some("arranged by clusters of samples, as the neighbourhoods of the drawing (clustered)")
+            }
             Some(Method::Auto) | None => None,
         };
         if let Some(how) = placed {
@@ -399,6 +406,9 @@ impl Summary {
         }
         if let Some(share) = self.period {
             say(&format!("  {:.0} % of the places repeat the drawing", 100.0 * share));
+        }
+        if let Some(clusters) = &self.clusters {
+            say(&format!("  {}", optimised(clusters)));
         }
         if let Some(structure) = &self.structure {
             say(&format!("  {}", structure_text(structure)));
@@ -413,6 +423,15 @@ impl Summary {
             say(&format!("  {:16} {:>10}", "peak memory", bytes(peak)));
         }
     }
+}
+
+/// What the optimisation of clusters did, in a line.
+fn optimised(clusters: &ClusterReport) -> String {
+    let ClusterReport { samples, iterations, switched, merged, split, moved, removed, added, .. } = clusters;
+    format!(
+        "{samples} samples in {iterations} iterations: {switched} changed clusters, {merged} merged, {split} split; \
+         {moved} elements moved apart, {removed} removed, {added} added"
+    )
 }
 
 /// The reductions of a file, in a line.

@@ -207,6 +207,7 @@ impl FinishedTexture<'_> {
             overlap: Some(report.overlap),
             repetition: Some(report.repetition),
             period: report.period,
+            clusters: report.clusters,
             ..Summary::new(command, inputs, targets.path(), written, reporter)
         };
         // `warp` uses the scene's own seed unless one was given.

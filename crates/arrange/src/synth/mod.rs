@@ -7,6 +7,8 @@
 mod backdrop;
 pub(crate) mod background;
 mod canvas_parts;
+#[cfg(feature = "clustered")]
+mod clustered;
 pub(crate) mod compose;
 mod neighbourhoods;
 mod period;
@@ -20,7 +22,7 @@ mod vacated;
 
 pub use crate::arrange::controls::{Controls, StructureGuide};
 pub use crate::arrange::correspondence::Structure;
-pub use report::{CategoryReport, SynthReport};
+pub use report::{CategoryReport, ClusterReport, SynthReport};
 pub use strata::{StratumReport, layer_map};
 pub use units::synthesize_with;
 pub use vtex_scene::reconstruct::reconstruct;
@@ -73,6 +75,9 @@ fn in_pixels(
     if method == Method::Period {
         return period::synthesize(&libraries[0], params, controls, progress);
     }
+    if method == Method::Clustered {
+        return clustered(&libraries[0], params, controls, progress);
+    }
     let params = &keeping_apart(libraries, params);
     let mut model = PlacementModel::new(libraries, params);
     let task = PlacementTask { libraries, controls, params, method, fixed: Vec::new() };
@@ -100,6 +105,22 @@ fn in_pixels(
     });
     let report = SynthReport { strata, ..SynthReport::of_arrangement(libraries, &arrangement, &scene) };
     Ok((scene, report))
+}
+
+/// A drawing arranged by clustered samples.
+#[cfg(feature = "clustered")]
+use clustered::synthesize as clustered;
+
+/// Stands for [`clustered`] where it is left out: [`method`] refuses the method.
+#[cfg(not(feature = "clustered"))]
+fn clustered(_: &Library, _: &SynthParams, _: &Controls, _: &dyn Progress) -> Result<(Scene, SynthReport)> {
+    Err(not_built())
+}
+
+#[cfg(not(feature = "clustered"))]
+fn not_built() -> Error {
+    let allowed = "where vtex was built with the feature `clustered`".into();
+    Error::Parameter { name: "method", value: "clustered".into(), allowed }
 }
 
 /// Secondaries, then primaries, each in the layer of its stratum.
@@ -178,6 +199,10 @@ fn method(libraries: &[Library], params: &SynthParams, controls: &Controls) -> R
                       and no weights or ablation"
                     .into(),
         }),
+        #[cfg(feature = "clustered")]
+        Method::Clustered => clustered::check(libraries, params, controls).map(|()| Method::Clustered),
+        #[cfg(not(feature = "clustered"))]
+        Method::Clustered => Err(not_built()),
         Method::Auto if periodic && plain => Ok(Method::Period),
         Method::Period if !periodic => Err(Error::Parameter {
             name: "method",

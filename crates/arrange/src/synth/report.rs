@@ -47,6 +47,32 @@ pub struct SynthReport {
     /// Share of the places that repeat the exemplar's own period, if the period was repeated.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub period: Option<f64>,
+    /// What the optimisation of clustered samples did, if it arranged the elements.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub clusters: Option<ClusterReport>,
+}
+
+/// Counts of the optimisation of clustered samples, over all levels.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct ClusterReport {
+    /// Samples on the finest level.
+    pub samples: usize,
+    /// Iterations.
+    pub iterations: usize,
+    /// Energy of each iteration for each sample of a neighbourhood, level by level.
+    pub energies: Vec<Vec<f64>>,
+    /// Samples that changed their cluster.
+    pub switched: usize,
+    /// Clusters merged.
+    pub merged: usize,
+    /// Clusters split.
+    pub split: usize,
+    /// Elements moved away from others.
+    pub moved: usize,
+    /// Clusters and elements removed.
+    pub removed: usize,
+    /// Elements added in gaps.
+    pub added: usize,
 }
 
 /// Coverage of one category.
@@ -80,6 +106,7 @@ impl SynthReport {
             overlap: Overlap::of_scene(scene, libraries),
             repetition: Repetition::of_scene(scene, libraries),
             period: None,
+            clusters: None,
         }
     }
 

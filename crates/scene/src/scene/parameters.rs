@@ -51,8 +51,9 @@ pub struct SynthParams {
     pub edge: Edge,
     /// Parts of the method that are left out, for experiments. Default none.
     pub ablate: Vec<Ablation>,
-    /// Share of the movable elements that leave their place in the period, for [`Method::Period`]: 0
-    /// repeats the exemplar exactly. Default: 0 for a regular exemplar, 1 for another.
+    /// For [`Method::Period`] the share of the movable elements that leave their place in the period: 0
+    /// repeats the exemplar exactly. Default: 0 for a regular exemplar, 1 for another. For
+    /// [`Method::Clustered`] how readily the exemplar is rearranged. Default 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", schemars(transform = Self::VARIATION.limits()))]
     pub variation: Option<f64>,
@@ -163,6 +164,9 @@ pub enum Method {
     /// The exemplar's own period is repeated, and its movable elements are exchanged, moved and turned.
     /// For one periodic drawing.
     Period,
+    /// Elements are clusters of samples, which are optimised until all neighbourhoods look like those of the
+    /// exemplar (Tu, Wei and Zwicker 2022). For one drawing.
+    Clustered,
 }
 
 /// A part of the method that can be left out.
@@ -190,11 +194,25 @@ pub enum Ablation {
     Seeds,
     /// Secondaries are scattered one by one instead of by neighbourhoods of the exemplar.
     Neighbourhoods,
+    /// Samples do not know where they lie within their cluster ([`Method::Clustered`]).
+    ShapeContext,
+    /// Link energy is left out ([`Method::Clustered`]).
+    Link,
+    /// Shape energy is left out ([`Method::Clustered`]).
+    Shape,
+    /// Samples do not change clusters ([`Method::Clustered`]).
+    Switch,
+    /// Clusters are not merged ([`Method::Clustered`]).
+    Merge,
+    /// Clusters are not split ([`Method::Clustered`]).
+    Split,
+    /// The painting order is left to chance ([`Method::Clustered`]).
+    Depth,
 }
 
 impl Ablation {
     /// All parts, in the order of declaration.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 17] = [
         Self::Secondary,
         Self::Overlap,
         Self::Density,
@@ -205,6 +223,13 @@ impl Ablation {
         Self::Copies,
         Self::Seeds,
         Self::Neighbourhoods,
+        Self::ShapeContext,
+        Self::Link,
+        Self::Shape,
+        Self::Switch,
+        Self::Merge,
+        Self::Split,
+        Self::Depth,
     ];
 }
 

@@ -1,0 +1,349 @@
+//! Drawings arranged by clustered samples ([`vtex_cluster`]): a library becomes its exemplar, the result a scene.
+
+use super::compose::{self, Placement, What, compose};
+use super::report::{CategoryReport, ClusterReport, SynthReport};
+use crate::arrange::controls::Controls;
+use vtex_base::error::{Error, Result};
+use vtex_base::geometry::{Affine, Outline, Rect, rounded};
+use vtex_base::progress::{Progress, advance};
+use vtex_base::raster::colour::Colour;
+use vtex_cluster::{
+    ClusterExemplar, ClusterParams, ClusterResult, ClusteredElement, ClusteringParts, Figure, FigurePlace,
+    PeriodicPlane, cluster,
+};
+use vtex_scene::element::{self, SimilarTo};
+use vtex_scene::library::{ElementId, Library, SourceKind};
+use vtex_scene::reconstruct::equal;
+use vtex_scene::scene::{Ablation, InstanceId, Layer, LibraryId, Scene, SynthParams, pixels};
+
+/// Largest difference of an angle or a size from that of an equal element, for one that is only moved.
+const MOVED: f64 = 1e-3;
+/// Largest canvas on which covered pixels are counted.
+const MOST_PIXELS: u64 = 100_000_000;
+
+/// Whether a library can be arranged: one drawing, without a control that this method does not follow.
+///
+/// # Errors
+/// [`Error::Parameter`] that says what prevents it.
+pub(super) fn check(libraries: &[Library], params: &SynthParams, controls: &Controls) -> Result<()> {
+    let refused = |allowed: &'static str| {
+        Err(Error::Parameter { name: "method", value: "clustered".into(), allowed: allowed.into() })
+    };
+    let [library] = libraries else { return refused("for a single library") };
+    if library.source.kind != SourceKind::Drawing || library.is_layered() {
+        return refused("for a drawing");
+    }
+    let varied = params.rotate > 0.0 || params.mirror || params.scale_jitter > 0.0;
+    if varied || controls.density.is_some() || controls.structure.is_some() {
+        return refused(
+            "without turned, mirrored or resized elements, and without a map of densities or a guide",
+        );
+    }
+    let clipped = library.primaries().iter().filter(|e| e.clipped).count();
+    if clipped > 0 && library.arrangement.periodic {
+        return refused(
+            "for a drawing whose elements end: some of this one run on from copy to copy, which 'period' keeps",
+        );
+    }
+    if clipped == library.primaries().len() && clipped > 0 {
+        return refused("for a drawing with elements that its border does not cut");
+    }
+    Ok(())
+}
+
+/// A texture of clustered samples, and how close it came.
+///
+/// # Errors
+/// As [`cluster`], and those of `progress`.
+pub(super) fn synthesize(
+    library: &Library,
+    params: &SynthParams,
+    controls: &Controls,
+    progress: &dyn Progress,
+) -> Result<(Scene, SynthReport)> {
+    let go_on = || advance(progress, "primaries", 0, 2);
+    go_on()?;
+    let drawing = ClusteredDrawing::new(library);
+    let variation = params.variation.unwrap_or(1.0);
+    let tile = [params.tile.x, params.tile.y];
+    let size = [params.width, params.height].map(f64::from);
+    let parts = ClusteringParts {
+        no_switch: params.without(Ablation::Switch),
+        no_merge: params.without(Ablation::Merge),
+        no_split: params.without(Ablation::Split),
+        no_link: params.without(Ablation::Link),
+        no_shape: params.without(Ablation::Shape),
+    };
+    let asked = ClusterParams {
+        size,
+        tile,
+        seed: params.seed,
+        variation,
+        without: parts,
+        without_context: params.without(Ablation::ShapeContext),
+        without_depth: params.without(Ablation::Depth),
+    };
+    let found = cluster(&drawing.exemplar, &asked, &go_on)?;
+    advance(progress, "primaries", 1, 2)?;
+    let params = SynthParams { variation: Some(variation), ..params.clone() };
+    let libraries = std::slice::from_ref(library);
+    let layers = library.layers.iter().map(|own| Layer {
+        name: own.name.clone(),
+        field: own.field.clone(),
+        ..Layer::new(own.role)
+    });
+    let blank = compose::blank(libraries, &params, controls, layers.collect());
+    let mut placed = drawing.reaching(&found, &params);
+    // Layers keep their order; within one, the order is that of the result.
+    placed.sort_by_key(|e| drawing.places[e.place].layer);
+    let scene =
+        compose(blank, InstanceId(0), libraries, placed.iter().map(|e| drawing.placement(library, e)));
+    let covered = covered(library, &scene, || advance(progress, "primaries", 1, 2))?;
+    let wanted = library.categories.iter().map(|c| c.coverage);
+    let categories = wanted.zip(covered).map(|(wanted, got)| CategoryReport { wanted, got }).collect();
+    advance(progress, "primaries", 2, 2)?;
+    let report = SynthReport {
+        coverage_wanted: library.coverage,
+        clusters: Some(summed(&found)),
+        ..SynthReport::of_scene(libraries, &scene, categories)
+    };
+    Ok((scene, report))
+}
+
+/// Sums over all levels.
+fn summed(found: &ClusterResult) -> ClusterReport {
+    let mut sum = ClusterReport::default();
+    for level in &found.levels {
+        sum.samples = level.samples[1];
+        sum.iterations += level.energies.len();
+        sum.switched += level.operations.switched;
+        sum.merged += level.operations.merged;
+        sum.split += level.operations.split;
+        sum.moved += level.mended.moved;
+        sum.removed += level.mended.removed + level.clusters[0] - level.clusters[1];
+        sum.added += level.mended.added;
+        sum.energies.push(level.energies.clone());
+    }
+    sum
+}
+
+/// An element of the drawing at its place.
+struct DrawnPlace {
+    /// The first element that it equals, up to its place.
+    element: usize,
+    /// From the shapes of that element to the place.
+    map: Affine,
+    /// Reference point of the place.
+    at: [f64; 2],
+    layer: usize,
+}
+
+/// A library as an exemplar of clusters.
+struct ClusteredDrawing {
+    exemplar: ClusterExemplar,
+    /// The drawing's element at each place of the exemplar.
+    places: Vec<DrawnPlace>,
+    /// Bounds of each place around its reference point.
+    bounds: Vec<Rect>,
+}
+
+impl ClusteredDrawing {
+    fn new(library: &Library) -> Self {
+        let elements = library.primaries();
+        let known = equal(elements);
+        let is_moved = |map: &Affine| {
+            let c = map.as_coeffs();
+            [c[0] - 1.0, c[1], c[2], c[3] - 1.0].iter().all(|v| v.abs() < MOVED)
+        };
+        let mut figures: Vec<Figure> = Vec::new();
+        // The linear part that each figure's element is placed with, and the figure.
+        let mut of_element: Vec<Vec<([f64; 4], u32)>> = vec![Vec::new(); elements.len()];
+        let (mut places, mut drawn, mut bounds) = (Vec::new(), Vec::new(), Vec::new());
+        for (l, layer) in library.layers.iter().enumerate() {
+            for instance in &layer.instances {
+                let own = instance.element.index();
+                let Some(e) = elements.get(own) else { continue };
+                let SimilarTo { first, map: from } = known[own];
+                let (element, map) = if is_moved(&from) {
+                    (first, Affine::new(instance.transform) * Affine::translate(from.translation()))
+                } else {
+                    (own, Affine::new(instance.transform))
+                };
+                let [a, b, c, d, ..] = map.as_coeffs();
+                let shapes = &elements[element].shapes;
+                let middle = element::bounds(shapes).center();
+                let listed = &mut of_element[element];
+                let linear = [a, b, c, d];
+                let alike = |other: &&([f64; 4], u32)| (0..4).all(|k| (other.0[k] - linear[k]).abs() < MOVED);
+                let figure = listed.iter().find(alike).map_or(figures.len() as u32, |f| f.1);
+                let turned = Affine::new([a, b, c, d, 0.0, 0.0]) * Affine::translate(-middle.to_vec2());
+                if figure as usize == figures.len() {
+                    listed.push((linear, figure));
+                    let outlines: Vec<Outline> = shapes.iter().map(|s| s.outline.moved(turned)).collect();
+                    let category = e.category.map_or(0, |c| c.index() as u32);
+                    figures.push(Figure { outlines, category, colour: colour(e.colour) });
+                }
+                let at = map * middle;
+                let at = [at.x, at.y];
+                places.push(FigurePlace { figure, at, placeable: !e.clipped });
+                drawn.push(DrawnPlace { element, map, at, layer: l });
+                bounds.push(figures[figure as usize].bounds());
+            }
+        }
+        let size = [library.source.width, library.source.height].map(f64::from);
+        let page = PeriodicPlane { size, wraps: [library.arrangement.periodic; 2] };
+        Self { exemplar: ClusterExemplar { page, figures, places }, places: drawn, bounds }
+    }
+
+    /// The elements that reach the canvas.
+    fn reaching(&self, found: &ClusterResult, params: &SynthParams) -> Vec<ClusteredElement> {
+        let canvas = Rect::new(0.0, 0.0, f64::from(params.width), f64::from(params.height));
+        let size = [canvas.width(), canvas.height()];
+        let tile = [params.tile.x, params.tile.y];
+        let reaches = |e: &&ClusteredElement| {
+            let b = self.bounds[e.place] + vtex_base::geometry::Vec2::new(e.at[0], e.at[1]);
+            (tile[0] || b.x1 > 0.0 && b.x0 < size[0]) && (tile[1] || b.y1 > 0.0 && b.y0 < size[1])
+        };
+        found.elements.iter().filter(reaches).copied().collect()
+    }
+
+    fn placement<'a>(&self, library: &Library, element: &ClusteredElement) -> Placement<'a> {
+        let DrawnPlace { element: first, map, at, layer } = self.places[element.place];
+        let by = Affine::translate((element.at[0] - at[0], element.at[1] - at[1]));
+        let [x, y] = library.elements[first].origin().map(f64::from);
+        Placement {
+            what: What::Known(LibraryId(0), ElementId::after(first), None),
+            transform: rounded(by * map * Affine::translate((x, y))),
+            layer,
+        }
+    }
+}
+
+fn colour(colour: Colour) -> [f64; 3] {
+    colour.to_oklab().map(f64::from)
+}
+
+/// Share of the canvas that each category visibly covers; that of the exemplar where the canvas is too large to count.
+///
+/// # Errors
+/// Those of `go_on`.
+fn covered(library: &Library, scene: &Scene, go_on: impl Fn() -> Result<()>) -> Result<Vec<f64>> {
+    let [width, height] = [scene.width, scene.height];
+    let pixels = u64::from(width) * u64::from(height);
+    if pixels > MOST_PIXELS {
+        return Ok(library.categories.iter().map(|c| c.coverage).collect());
+    }
+    let masks: Vec<_> = scene.elements.iter().map(|e| pixels::of_shapes(&e.shapes)).collect();
+    let mut cells = vec![0u16; pixels as usize];
+    for instance in scene.instances() {
+        go_on()?;
+        let element = &scene.elements[instance.element.index()];
+        let map = instance.affine();
+        let [a, b, c, d, x, y] = map.as_coeffs();
+        let plain = [a - 1.0, b, c, d - 1.0].iter().all(|v| v.abs() < MOVED);
+        let mask = if plain {
+            masks[instance.element.index()].shifted(libm::round(x) as i32, libm::round(y) as i32)
+        } else {
+            let shapes: Vec<_> = element.shapes.iter().map(|s| s.moved(map)).collect();
+            pixels::of_shapes(&shapes)
+        };
+        let value = element.category.map_or(0, |c| c.index() as u16 + 1);
+        for by in scene.copies(map.transform_rect_bbox(element.bounds())) {
+            let (dx, dy) = (libm::round(by.x) as i32, libm::round(by.y) as i32);
+            for span in mask.spans() {
+                let (row, x0, x1) = (span.y + dy, (span.x0 + dx).max(0), (span.x1 + dx).min(width as i32));
+                if (0..height as i32).contains(&row) && x0 < x1 {
+                    let start = row as usize * width as usize;
+                    cells[start + x0 as usize..start + x1 as usize].fill(value);
+                }
+            }
+        }
+    }
+    let mut counts = vec![0u64; library.categories.len() + 1];
+    for cell in cells {
+        counts[usize::from(cell)] += 1;
+    }
+    Ok(counts[1..].iter().map(|n| *n as f64 / pixels as f64).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::synth::{Controls, synthesize_with};
+    use vtex_base::error::{Error, Result};
+    use vtex_base::raster::LabelMap;
+    use vtex_scene::library::{Library, Role, SourceKind, testing};
+    use vtex_scene::scene::{Ablation, Method, Scene, SynthParams, Tile};
+
+    /// A drawing of rectangles of three sizes, no two rows alike.
+    fn drawing() -> Library {
+        let mut map = LabelMap::filled(160, 160, 0);
+        for k in 0..16u32 {
+            let (w, h) = [(22, 14), (12, 24), (9, 9)][(k * k % 7 % 3) as usize];
+            let (x0, y0) = (4 + k % 4 * 40 + k / 4 * 3 % 8, 5 + k / 4 * 40 + k * 5 % 9);
+            for (x, y) in (0..h).flat_map(|y| (0..w).map(move |x| (x0 + x, y0 + y))) {
+                map.labels[(y * 160 + x) as usize] = k + 1;
+            }
+        }
+        let mut library = testing::library(&map);
+        let count = library.primaries().len();
+        library.elements.truncate(count);
+        library.layers.retain(|l| l.role != Role::Secondary);
+        library.source.kind = SourceKind::Drawing;
+        library.arrangement.periodic = true;
+        library
+    }
+
+    fn run(library: &Library, tile: bool, ablate: Vec<Ablation>) -> Result<Scene> {
+        let params = SynthParams {
+            width: 400,
+            height: 320,
+            seed: 2,
+            method: Method::Clustered,
+            tile: Tile { x: tile, y: tile },
+            ablate,
+            ..SynthParams::default()
+        };
+        let controls = Controls::default();
+        let made = synthesize_with(std::slice::from_ref(library), &params, &controls, &());
+        made.map(|(scene, report)| {
+            assert_eq!(report.method, Method::Clustered);
+            let off = (report.coverage / report.coverage_wanted - 1.0).abs();
+            assert!(off < 0.1, "{} of {}", report.coverage, report.coverage_wanted);
+            assert!(report.overlap.hidden < 0.01, "{:?}", report.overlap);
+            let clusters = report.clusters.unwrap();
+            assert!(clusters.samples > 0 && clusters.iterations >= clusters.energies.len());
+            scene
+        })
+    }
+
+    #[test]
+    fn elements_of_a_drawing_are_moved_only() {
+        let library = drawing();
+        for tile in [false, true] {
+            let scene = run(&library, tile, Vec::new()).unwrap();
+            scene.check().unwrap();
+            assert!(scene.instances().count() > 60);
+            for instance in scene.instances() {
+                assert_eq!(instance.transform[..4], [1.0, 0.0, 0.0, 1.0]);
+                assert!(scene.elements[instance.element.index()].source.is_some());
+            }
+        }
+        let parts = vec![Ablation::Link, Ablation::ShapeContext, Ablation::Switch];
+        assert_ne!(
+            run(&library, true, parts).unwrap().layers,
+            run(&library, true, Vec::new()).unwrap().layers
+        );
+    }
+
+    #[test]
+    fn what_it_is_not_for_is_refused() {
+        let refused = |library: &Library| {
+            matches!(run(library, false, Vec::new()), Err(Error::Parameter { name: "method", .. }))
+        };
+        let photograph = testing::library(&LabelMap::filled(60, 60, 0));
+        assert!(refused(&photograph));
+        let mut endless = drawing();
+        endless.elements[0].clipped = true;
+        assert!(refused(&endless));
+    }
+}

@@ -1,0 +1,172 @@
+//! Elements on the canvas, one by one: which are near, and which clash.
+
+use crate::relations::PlaceRelations;
+use crate::space::{PeriodicPlane, length};
+
+/// An element on the canvas: one of the exemplar's places, moved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct BoardElement {
+    /// The place of the exemplar.
+    pub(crate) place: u32,
+    /// Its reference point on the canvas.
+    pub(crate) at: [f64; 2],
+}
+
+/// Most cells along an axis.
+const MOST_CELLS: f64 = 512.0;
+
+pub(crate) struct Board<'a> {
+    pub(crate) plane: PeriodicPlane,
+    pub(crate) relations: &'a PlaceRelations<'a>,
+    /// The elements; `None` where one was removed.
+    pub(crate) elements: Vec<Option<BoardElement>>,
+    cells: [usize; 2],
+    lists: Vec<Vec<u32>>,
+    largest: f64,
+    /// Sum of the areas of all elements, in pixels.
+    pub(crate) area: f64,
+}
+
+impl<'a> Board<'a> {
+    pub(crate) fn new(plane: PeriodicPlane, relations: &'a PlaceRelations<'a>) -> Self {
+        let cells = plane.size.map(|v| (v / relations.spacing.max(1e-6)).clamp(1.0, MOST_CELLS) as usize);
+        let largest = relations.reach.iter().copied().fold(0.0, f64::max);
+        let lists = vec![Vec::new(); cells[0] * cells[1]];
+        Self { plane, relations, elements: Vec::new(), cells, lists, largest, area: 0.0 }
+    }
+
+    /// The figure of a place of the exemplar.
+    pub(crate) fn figure(&self, place: u32) -> u32 {
+        self.relations.exemplar.places[place as usize].figure
+    }
+
+    fn cell(&self, p: [f64; 2]) -> usize {
+        let along = |k: usize| {
+            let cell = (p[k] / self.plane.size[k] * self.cells[k] as f64).max(0.0) as usize;
+            cell.min(self.cells[k] - 1)
+        };
+        along(1) * self.cells[0] + along(0)
+    }
+
+    pub(crate) fn add(&mut self, element: BoardElement) -> usize {
+        let element = BoardElement { at: self.plane.wrapped(element.at), ..element };
+        let id = self.elements.len();
+        let cell = self.cell(element.at);
+        self.lists[cell].push(id as u32);
+        self.area += f64::from(self.relations.area(self.figure(element.place)));
+        self.elements.push(Some(element));
+        id
+    }
+
+    pub(crate) fn remove(&mut self, id: usize) {
+        if let Some(element) = self.elements[id].take() {
+            let cell = self.cell(element.at);
+            self.lists[cell].retain(|e| *e as usize != id);
+            self.area -= f64::from(self.relations.area(self.figure(element.place)));
+        }
+    }
+
+    /// Moves an element.
+    pub(crate) fn shift(&mut self, id: usize, to: [f64; 2]) {
+        if let Some(element) = self.elements[id] {
+            let moved = BoardElement { at: self.plane.wrapped(to), ..element };
+            let (from, cell) = (self.cell(element.at), self.cell(moved.at));
+            if from != cell {
+                self.lists[from].retain(|e| *e as usize != id);
+                self.lists[cell].push(id as u32);
+            }
+            self.elements[id] = Some(moved);
+        }
+    }
+
+    /// The elements whose reference points are closer than `radius`, with the ways to them, by number.
+    pub(crate) fn near(&self, at: [f64; 2], radius: f64) -> Vec<(usize, BoardElement, [f64; 2])> {
+        let at = self.plane.wrapped(at);
+        let side = [0, 1].map(|k| self.plane.size[k] / self.cells[k] as f64);
+        let range = |k: usize| {
+            let (low, high) =
+                (libm::floor((at[k] - radius) / side[k]), libm::floor((at[k] + radius) / side[k]));
+            let last = self.cells[k] as i64;
+            if self.plane.wraps[k] {
+                let count = ((high - low) as i64 + 1).min(last);
+                (low as i64..low as i64 + count).map(|c| c.rem_euclid(last) as usize).collect::<Vec<_>>()
+            } else {
+                ((low as i64).clamp(0, last - 1)..=(high as i64).clamp(0, last - 1))
+                    .map(|c| c as usize)
+                    .collect()
+            }
+        };
+        let (columns, rows) = (range(0), range(1));
+        let mut found = Vec::new();
+        for row in rows {
+            for column in &columns {
+                for &id in &self.lists[row * self.cells[0] + column] {
+                    let Some(element) = self.elements[id as usize] else { continue };
+                    let way = self.plane.between(at, element.at);
+                    if length(way) < radius {
+                        found.push((id as usize, element, way));
+                    }
+                }
+            }
+        }
+        found.sort_by_key(|f| f.0);
+        found
+    }
+
+    /// The elements that clash with one at a place, but for `own`, and by how many pixels.
+    pub(crate) fn clashes(&self, element: BoardElement, own: Option<usize>) -> Vec<(usize, f64)> {
+        let figure = self.figure(element.place);
+        let reach = self.relations.reach[figure as usize] + self.largest + self.relations.clearance + 1.0;
+        let near = self.near(element.at, reach).into_iter().filter(|n| Some(n.0) != own);
+        let clash =
+            near.map(|(id, other, way)| (id, self.relations.clash(figure, self.figure(other.place), way)));
+        clash.filter(|c| c.1 > 0.0).collect()
+    }
+
+    /// Whether an element would clash with no other.
+    pub(crate) fn is_free(&self, element: BoardElement) -> bool {
+        let figure = self.figure(element.place);
+        let reach = self.relations.reach[figure as usize] + self.largest + self.relations.clearance + 1.0;
+        let near = self.near(element.at, reach);
+        near.iter().all(|(_, other, way)| self.relations.clash(figure, self.figure(other.place), *way) == 0.0)
+    }
+
+    /// How much nearer an element of the same class is than in the exemplar, 0 to 1.
+    pub(crate) fn twins(&self, element: BoardElement, own: Option<usize>) -> f64 {
+        let figure = self.figure(element.place);
+        let class = |figure: u32| self.relations.class[figure as usize];
+        let wanted = self.relations.twin_distance[class(figure) as usize];
+        let near = self.near(element.at, 0.98 * wanted).into_iter();
+        let twins = near.filter(|n| Some(n.0) != own && class(self.figure(n.1.place)) == class(figure));
+        twins.map(|n| 1.0 - length(n.2) / wanted).fold(0.0, f64::max)
+    }
+
+    /// How well an element fits among its neighbours: the mean over the neighbours that it has in the exemplar, 1 for
+    /// one that is there, 0 for one that is missing; less the surplus of neighbours.
+    pub(crate) fn support(&self, element: BoardElement, own: Option<usize>) -> f64 {
+        let partners = &self.relations.partners[element.place as usize];
+        let Some(last) = partners.last() else { return 0.5 };
+        let radius = length(last.way) + 0.25 * self.relations.spacing;
+        let near = self.near(element.at, radius);
+        let near: Vec<_> = near.into_iter().filter(|n| Some(n.0) != own).collect();
+        let exemplar = self.relations.exemplar;
+        let tolerance = 0.5 * self.relations.spacing;
+        let mut sum = 0.0;
+        for partner in partners {
+            let wanted = exemplar.places[partner.place as usize].figure;
+            let fit = near.iter().map(|(_, other, way)| {
+                let off = length([way[0] - partner.way[0], way[1] - partner.way[1]]) / tolerance;
+                let figure = self.figure(other.place);
+                (1.0 - 2.0 * self.relations.strangeness(figure, wanted)) * (1.0 - off).max(0.0)
+            });
+            sum += fit.fold(0.0, f64::max);
+        }
+        let surplus = (near.len() as f64 - partners.len() as f64).max(0.0);
+        (sum - 0.5 * surplus) / partners.len() as f64 - 0.5 * self.twins(element, own)
+    }
+
+    /// The elements, those removed left out.
+    pub(crate) fn standing(&self) -> Vec<BoardElement> {
+        self.elements.iter().flatten().copied().collect()
+    }
+}

@@ -1,0 +1,226 @@
+//! Planes whose opposite sides may be joined, and points found by their place on them.
+
+/// A rectangle from the origin. Lengths in any unit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PeriodicPlane {
+    /// Width and height.
+    pub size: [f64; 2],
+    /// The axes whose opposite sides are joined.
+    pub wraps: [bool; 2],
+}
+
+impl PeriodicPlane {
+    /// The shortest way from one point to another.
+    pub fn between(&self, from: [f64; 2], to: [f64; 2]) -> [f64; 2] {
+        std::array::from_fn(|k| {
+            let d = to[k] - from[k];
+            let size = self.size[k];
+            if !self.wraps[k] || d.abs() <= 0.5 * size {
+                d
+            } else if d.abs() <= 1.5 * size {
+                d - size.copysign(d)
+            } else {
+                d - size * libm::round(d / size)
+            }
+        })
+    }
+
+    /// The point on the rectangle that is the same where sides are joined.
+    pub fn wrapped(&self, p: [f64; 2]) -> [f64; 2] {
+        std::array::from_fn(|k| {
+            let size = self.size[k];
+            if self.wraps[k] && !(0.0..size).contains(&p[k]) {
+                let q = p[k] - size * libm::floor(p[k] / size);
+                if q < size { q } else { 0.0 }
+            } else {
+                p[k]
+            }
+        })
+    }
+
+    /// Width times height.
+    pub fn area(&self) -> f64 {
+        self.size[0] * self.size[1]
+    }
+}
+
+/// Length of a vector.
+pub(crate) fn length(v: [f64; 2]) -> f64 {
+    libm::sqrt(v[0] * v[0] + v[1] * v[1])
+}
+
+/// Most cells of an index along an axis.
+const MOST_CELLS: f64 = 2048.0;
+
+/// Points in cells, to find those near a place.
+#[derive(Debug)]
+pub(crate) struct PointIndex {
+    plane: PeriodicPlane,
+    cells: [usize; 2],
+    /// The points of cell c are `ids[starts[c]..starts[c + 1]]`, in their order.
+    starts: Vec<u32>,
+    ids: Vec<u32>,
+    points: Vec<[f64; 2]>,
+}
+
+impl PointIndex {
+    /// An index for searches within about `reach`.
+    pub(crate) fn new(plane: PeriodicPlane, reach: f64, points: &[[f64; 2]]) -> Self {
+        let count = |size: f64| (size / reach.max(1e-9)).clamp(1.0, MOST_CELLS) as usize;
+        let cells = plane.size.map(count);
+        let mut index = Self { plane, cells, starts: Vec::new(), ids: Vec::new(), points: Vec::new() };
+        index.points = points.iter().map(|p| plane.wrapped(*p)).collect();
+        let of: Vec<usize> = index.points.iter().map(|p| index.cell(*p)).collect();
+        let mut starts = vec![0u32; cells[0] * cells[1] + 1];
+        of.iter().for_each(|c| starts[c + 1] += 1);
+        for c in 1..starts.len() {
+            starts[c] += starts[c - 1];
+        }
+        let mut next = starts.clone();
+        index.ids = vec![0; points.len()];
+        for (id, c) in of.iter().enumerate() {
+            index.ids[next[*c] as usize] = id as u32;
+            next[*c] += 1;
+        }
+        index.starts = starts;
+        index
+    }
+
+    fn along(&self, v: f64, k: usize) -> usize {
+        let cell = v / self.plane.size[k] * self.cells[k] as f64;
+        (cell.max(0.0) as usize).min(self.cells[k] - 1)
+    }
+
+    fn cell(&self, p: [f64; 2]) -> usize {
+        self.along(p[1], 1) * self.cells[0] + self.along(p[0], 0)
+    }
+
+    /// Cells that a range touches, each once: the first, and how many.
+    fn range(&self, k: usize, low: f64, high: f64) -> (usize, usize) {
+        let (size, cells) = (self.plane.size[k], self.cells[k]);
+        if !self.plane.wraps[k] {
+            let first = self.along(low, k);
+            return (first, self.along(high, k) - first + 1);
+        }
+        let per = cells as f64 / size;
+        let (first, last) = (libm::floor(low * per), libm::floor(high * per));
+        let count = ((last - first) as usize + 1).min(cells);
+        ((first as i64).rem_euclid(cells as i64) as usize, count)
+    }
+
+    /// Calls `f` with the index of each point closer than `radius`, and the way to it.
+    pub(crate) fn within(&self, centre: [f64; 2], radius: f64, mut f: impl FnMut(usize, [f64; 2])) {
+        let centre = self.plane.wrapped(centre);
+        let (column, columns) = self.range(0, centre[0] - radius, centre[0] + radius);
+        let (row, rows) = self.range(1, centre[1] - radius, centre[1] + radius);
+        for j in 0..rows {
+            let row = (row + j) % self.cells[1];
+            for i in 0..columns {
+                let c = row * self.cells[0] + (column + i) % self.cells[0];
+                for &id in &self.ids[self.starts[c] as usize..self.starts[c + 1] as usize] {
+                    let way = self.plane.between(centre, self.points[id as usize]);
+                    if way[0] * way[0] + way[1] * way[1] < radius * radius {
+                        f(id as usize, way);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Whether a point is closer than `radius`.
+    pub(crate) fn any(&self, centre: [f64; 2], radius: f64) -> bool {
+        let mut found = false;
+        self.within(centre, radius, |_, _| found = true);
+        found
+    }
+
+    /// The nearest point closer than `radius`, and its distance; of equally near ones the first.
+    pub(crate) fn nearest(&self, centre: [f64; 2], radius: f64) -> Option<(usize, f64)> {
+        let mut best: Option<(usize, f64)> = None;
+        self.within(centre, radius, |id, way| {
+            let far = length(way);
+            if best.is_none_or(|(i, least)| far < least || far == least && id < i) {
+                best = Some((id, far));
+            }
+        });
+        best
+    }
+}
+
+/// The points near each point.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Vicinity {
+    starts: Vec<u32>,
+    /// The points near each, and the ways to them, by distance; without the point itself.
+    pub(crate) ids: Vec<u32>,
+    pub(crate) ways: Vec<[f64; 2]>,
+}
+
+impl Vicinity {
+    /// The points closer than `radius` to each of `centres`, at most `most` of them; `own` says whether centre i is
+    /// point i.
+    pub(crate) fn new(
+        index: &PointIndex,
+        centres: &[[f64; 2]],
+        radius: f64,
+        (most, own): (usize, bool),
+    ) -> Self {
+        let all: Vec<usize> = (0..centres.len()).collect();
+        let lists = vtex_base::parallel::map(&all, |&c| {
+            let mut near: Vec<(f64, u32, [f64; 2])> = Vec::new();
+            index.within(centres[c], radius, |id, way| {
+                if !(own && id == c) {
+                    near.push((length(way), id as u32, way));
+                }
+            });
+            near.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+            near.truncate(most);
+            near
+        });
+        let mut made = Self { starts: vec![0], ..Self::default() };
+        for near in lists {
+            made.ids.extend(near.iter().map(|n| n.1));
+            made.ways.extend(near.iter().map(|n| n.2));
+            made.starts.push(made.ids.len() as u32);
+        }
+        made
+    }
+
+    /// Where the points near point `i` are listed.
+    pub(crate) fn range(&self, i: usize) -> std::ops::Range<usize> {
+        self.starts[i] as usize..self.starts[i + 1] as usize
+    }
+
+    /// How many points have a list.
+    pub(crate) fn len(&self) -> usize {
+        self.starts.len() - 1
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use vtex_base::sampling::stream;
+
+    #[test]
+    fn near_points_are_those_of_an_exhaustive_search() {
+        let mut random = stream(1, "cluster/space test", 0);
+        for wraps in [[true; 2], [false, true], [false; 2]] {
+            let plane = PeriodicPlane { size: [70.0, 40.0], wraps };
+            let points: Vec<[f64; 2]> =
+                (0..120).map(|_| [random.range(-5.0, 75.0), random.range(-5.0, 45.0)]).collect();
+            for reach in [3.0, 11.0, 39.0] {
+                let index = PointIndex::new(plane, reach, &points);
+                for p in &points {
+                    let mut found = Vec::new();
+                    index.within(*p, reach, |id, _| found.push(id));
+                    found.sort_unstable();
+                    let near =
+                        |q: &[f64; 2]| length(plane.between(plane.wrapped(*p), plane.wrapped(*q))) < reach;
+                    let wanted: Vec<usize> = (0..points.len()).filter(|i| near(&points[*i])).collect();
+                    assert_eq!(found, wanted, "{wraps:?} {reach}");
+                }
+            }
+        }
+    }
+}

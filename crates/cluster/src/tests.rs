@@ -1,0 +1,371 @@
+//! The optimisation on small exemplars made here.
+
+use crate::board::{Board, BoardElement};
+use crate::clustering::{ClusteringParts, improve_clusters};
+use crate::figures::{ClusterExemplar, Figure, FigurePlace};
+use crate::input::{InputSamples, LevelScale};
+use crate::matching::DenseAssignment;
+use crate::optimise::{ClusterParams, ClusterResult, cluster, level_of};
+use crate::output::OutputSamples;
+use crate::rebuild::{rebuilt, sampled};
+use crate::relations::PlaceRelations;
+use crate::search::{Matches, search};
+use crate::shape_energy::shape_match;
+use crate::space::{PeriodicPlane, PointIndex, Vicinity, length};
+use crate::votes::PairVotes;
+use std::time::{Duration, Instant};
+use vtex_base::error::{Error, Result};
+use vtex_base::geometry::{Outline, parse_path};
+use vtex_base::sampling::stream;
+
+const SCALE: LevelScale = LevelScale { distance: 13.3, radius: 50.0 };
+
+fn figure(text: &str, category: u32) -> Figure {
+    let outlines = vec![Outline::new(&parse_path(text).unwrap()).unwrap()];
+    Figure { outlines, category, colour: [0.3 + 0.2 * f64::from(category), 0.0, 0.0] }
+}
+
+/// Discs, bars and triangles on a page that repeats, at places that no two of are equal, none touching.
+fn loose() -> ClusterExemplar {
+    let figures = vec![
+        figure("M-22 0C-22 29 22 29 22 0C22 -29 -22 -29 -22 0Z", 0),
+        figure("M-10 -34H10V34H-10Z", 1),
+        figure("M-26 22L0 -26L26 22Z", 2),
+    ];
+    let mut random = stream(5, "cluster/test page", 0);
+    let places = (0..16).map(|k| {
+        let at = [f64::from(k % 4), f64::from(k / 4)].map(|v| 50.0 + 100.0 * v + random.range(-14.0, 14.0));
+        FigurePlace { figure: random.below(3) as u32, at, placeable: true }
+    });
+    ClusterExemplar {
+        page: PeriodicPlane { size: [400.0; 2], wraps: [true; 2] },
+        places: places.collect(),
+        figures,
+    }
+}
+
+/// Bars beneath discs that cover their upper ends.
+fn stems() -> ClusterExemplar {
+    let mut exemplar = loose();
+    exemplar.figures =
+        vec![figure("M-5 0H5V60H-5Z", 0), figure("M-20 0C-20 27 20 27 20 0C20 -27 -20 -27 -20 0Z", 1)];
+    let at: Vec<[f64; 2]> = exemplar.places.iter().map(|p| p.at).collect();
+    let of = |figure: u32| at.iter().map(move |at| FigurePlace { figure, at: *at, placeable: true });
+    exemplar.places = of(0).chain(of(1)).collect();
+    exemplar
+}
+
+fn params(size: f64, tile: bool) -> ClusterParams {
+    ClusterParams {
+        size: [size; 2],
+        tile: [tile; 2],
+        seed: 3,
+        variation: 1.0,
+        without: ClusteringParts::default(),
+        without_context: false,
+        without_depth: false,
+    }
+}
+
+fn run(exemplar: &ClusterExemplar, params: &ClusterParams) -> ClusterResult {
+    cluster(exemplar, params, &|| Ok(())).unwrap()
+}
+
+/// The exemplar itself as a result.
+fn copied<'a>(exemplar: &ClusterExemplar, relations: &'a PlaceRelations<'a>) -> Board<'a> {
+    let mut board = Board::new(exemplar.page, relations);
+    for (k, place) in exemplar.places.iter().enumerate() {
+        board.add(BoardElement { place: k as u32, at: place.at });
+    }
+    board
+}
+
+/// A result of four samples that hold each other, matched by hand: a and b share a cluster in one of four
+/// neighbourhoods, b and d in all, a and c in none; a is beneath b in three.
+#[test]
+fn votes_count_matches_that_share_a_cluster_and_their_order() {
+    let exemplar = loose();
+    let input = InputSamples::new(&exemplar, SCALE, 1);
+    let (low, high) = (input.first[2], input.first[7]);
+    let plane = PeriodicPlane { size: [400.0; 2], wraps: [false; 2] };
+    let mut output = OutputSamples::new(plane);
+    output.points = vec![[100.0, 100.0], [105.0, 100.0], [100.0, 106.0], [106.0, 107.0]];
+    output.cluster = vec![0, 0, 1, 1];
+    output.clusters = 2;
+    let index = PointIndex::new(plane, 50.0, &output.points);
+    let near = Vicinity::new(&index, &output.points, 50.0, (36, true));
+    // What each neighbourhood says of a, b, c and d.
+    let said =
+        [[high, high, low, high], [low, high, high, high], [low, high, high, high], [low, high, high, high]];
+    output.source = (0..4).map(|s| said[s][s]).collect();
+    output.copied = output.source.clone();
+    let matched = (0..4).flat_map(|s| near.range(s).map(move |k| (s, k)));
+    let matched = matched.map(|(s, k)| said[s][near.ids[k] as usize]).collect();
+    let matches = Matches { near, matched, cost: vec![0.0; 4] };
+    let votes = PairVotes::new(&output, &input, &matches, 40.0);
+    let pair = |a: usize, b: u32| votes.near.range(a).find(|k| votes.near.ids[*k] == b).unwrap();
+    assert_eq!(votes.link(pair(0, 1)), Some(0.25));
+    assert_eq!(votes.link(pair(1, 3)), Some(1.0));
+    assert_eq!(votes.link(pair(0, 2)), Some(0.0));
+    assert_eq!(votes.counts[pair(0, 1)], [4, 1, 3]);
+    assert_eq!(votes.counts[pair(1, 0)], [4, 1, 0]);
+}
+
+#[test]
+fn shape_energy_is_zero_for_a_copy_and_one_for_a_missing_sample() {
+    let exemplar = loose();
+    let input = InputSamples::new(&exemplar, SCALE, 1);
+    let relations = PlaceRelations::new(&exemplar);
+    let mut board = Board::new(exemplar.page, &relations);
+    board.add(BoardElement { place: 3, at: [377.0, 391.0] });
+    let output = sampled(&board, &input);
+    let work = &mut DenseAssignment::default();
+    let all = output.members();
+    let whole = shape_match(&output, &input, &all[0], |_| true, work).unwrap();
+    assert!(whole.energy < 1e-6, "{whole:?}");
+    let at = output.plane.between(whole.by, [377.0, 391.0]);
+    assert!(length(at) < 1e-6, "{whole:?}");
+    let part = shape_match(&output, &input, &all[0][1..], |_| true, work).unwrap();
+    assert!((part.energy - 1.0).abs() < 1e-6, "{part:?}");
+    assert_eq!(shape_match(&output, &input, &all[0], |_| false, work), None);
+}
+
+/// Adjusted Rand index of two groupings.
+fn rand_index(a: &[u32], b: &[u32]) -> f64 {
+    let pairs = |n: f64| n * (n - 1.0) / 2.0;
+    let count = |of: &dyn Fn(usize) -> (u32, u32)| -> f64 {
+        let mut keys: Vec<(u32, u32)> = (0..a.len()).map(of).collect();
+        keys.sort_unstable();
+        keys.chunk_by(|x, y| x == y).map(|run| pairs(run.len() as f64)).sum()
+    };
+    let (both, of_a, of_b) = (count(&|i| (a[i], b[i])), count(&|i| (a[i], 0)), count(&|i| (0, b[i])));
+    let expected = of_a * of_b / pairs(a.len() as f64);
+    (both - expected) / (0.5 * (of_a + of_b) - expected)
+}
+
+#[test]
+fn clusters_are_recovered_from_shuffled_ids_and_energy_never_rises() {
+    let exemplar = loose();
+    let input = InputSamples::new(&exemplar, SCALE, 1);
+    let relations = PlaceRelations::new(&exemplar);
+    let mut output = sampled(&copied(&exemplar, &relations), &input);
+    let truth = output.cluster.clone();
+    let matches = search(&mut output, &input, &|| Ok(())).unwrap();
+    assert!(matches.energy() < 0.1, "a copy has hardly any energy: {}", matches.energy());
+    let votes = PairVotes::new(&output, &input, &matches, 4.0 * SCALE.distance);
+    let mut random = stream(1, "cluster/test ids", 0);
+    for id in &mut output.cluster {
+        *id = random.below(u64::from(output.clusters)) as u32;
+    }
+    assert!(rand_index(&output.cluster, &truth) < 0.1);
+    for round in 0..4 {
+        let parts = ClusteringParts::default();
+        let (done, [before, after]) =
+            improve_clusters(&mut output, &input, &votes, parts, &|| Ok(())).unwrap();
+        assert!(after <= before + 1e-6, "round {round}: {before} {after}");
+        assert!(round > 0 || done.switched > 0);
+    }
+    let found = rand_index(&output.cluster, &truth);
+    assert!(found >= 0.9, "{found}");
+    let none =
+        ClusteringParts { no_switch: true, no_merge: true, no_split: true, ..ClusteringParts::default() };
+    let kept = output.cluster.clone();
+    improve_clusters(&mut output, &input, &votes, none, &|| Ok(())).unwrap();
+    assert_eq!(rand_index(&output.cluster, &kept), 1.0);
+}
+
+#[test]
+fn energy_falls_and_samples_return_to_their_places() {
+    let exemplar = loose();
+    let input = InputSamples::new(&exemplar, SCALE, 1);
+    let relations = PlaceRelations::new(&exemplar);
+    let mut output = sampled(&copied(&exemplar, &relations), &input);
+    let mut random = stream(2, "cluster/test noise", 0);
+    for p in &mut output.points {
+        *p = p.map(|v| v + random.range(-0.4, 0.4) * SCALE.distance);
+    }
+    let (output, _, report) = level_of(output, &input, &params(400.0, true), &|| Ok(())).unwrap();
+    let (first, last) = (report.energies[0], report.energies[report.energies.len() - 1]);
+    assert!(last < 0.7 * first, "{:?}", report.energies);
+    let (board, of_cluster) = rebuilt(&output, &input, &relations, exemplar.page);
+    assert_eq!(of_cluster.len(), exemplar.places.len());
+    assert_eq!(board.standing().len(), exemplar.places.len());
+}
+
+/// Number of elements on each pixel of a canvas of a side of `size`, whose edges may join.
+fn covered(exemplar: &ClusterExemplar, result: &ClusterResult, size: f64, tile: bool) -> Vec<u8> {
+    let relations = PlaceRelations::new(exemplar);
+    let side = size as i32;
+    let mut cells = vec![0u8; (side * side) as usize];
+    for element in &result.elements {
+        let own = relations.pixels_of(exemplar.places[element.place].figure);
+        let by = element.at.map(|v| libm::round(v) as i32);
+        for y in own.rows[0]..own.rows[1] {
+            for run in own.runs_of(y) {
+                for x in run[0]..run[1] {
+                    let (mut x, mut y) = (x + by[0], y + by[1]);
+                    if tile {
+                        (x, y) = (x.rem_euclid(side), y.rem_euclid(side));
+                    }
+                    if (0..side).contains(&x) && (0..side).contains(&y) {
+                        cells[(y * side + x) as usize] += 1;
+                    }
+                }
+            }
+        }
+    }
+    cells
+}
+
+#[test]
+fn density_mix_and_distances_are_those_of_the_exemplar() {
+    let exemplar = loose();
+    let nearest = |at: &[[f64; 2]], plane: PeriodicPlane| -> Vec<f64> {
+        let of = |i: usize| {
+            let others = (0..at.len()).filter(|j| *j != i);
+            others.map(|j| length(plane.between(at[i], at[j]))).fold(f64::INFINITY, f64::min)
+        };
+        let mut all: Vec<f64> = (0..at.len()).map(of).collect();
+        all.sort_by(f64::total_cmp);
+        all
+    };
+    let at: Vec<[f64; 2]> = exemplar.places.iter().map(|p| p.at).collect();
+    let wanted = nearest(&at, exemplar.page);
+    for tile in [true, false] {
+        let result = run(&exemplar, &params(800.0, tile));
+        let cells = covered(&exemplar, &result, 800.0, tile);
+        let share = |cells: &[u8]| cells.iter().filter(|c| **c > 0).count() as f64 / cells.len() as f64;
+        let own = ClusterResult {
+            elements: (0..16)
+                .map(|place| crate::ClusteredElement { place, at: exemplar.places[place].at })
+                .collect(),
+            levels: Vec::new(),
+        };
+        let (got, asked) = (share(&cells), share(&covered(&exemplar, &own, 400.0, true)));
+        assert!((got / asked - 1.0).abs() < 0.1, "{got} {asked}");
+        // None overlaps another, not even across a seam.
+        assert!(cells.iter().filter(|c| **c > 1).count() < 20);
+        let inside = |e: &&crate::ClusteredElement| tile || e.at.iter().all(|v| (0.0..800.0).contains(v));
+        let on: Vec<_> = result.elements.iter().filter(inside).collect();
+        let mut chi = 0.0;
+        for f in 0..3u32 {
+            let of = |place: usize| exemplar.places[place].figure == f;
+            let expected = (0..16).filter(|k| of(*k)).count() as f64 / 16.0 * on.len() as f64;
+            let found = on.iter().filter(|e| of(e.place)).count() as f64;
+            chi += (found - expected) * (found - expected) / expected;
+        }
+        // The 95 % quantile of χ² with two degrees of freedom.
+        assert!(chi < 5.99, "{chi}");
+        let plane = PeriodicPlane { size: [800.0; 2], wraps: [tile; 2] };
+        let found = nearest(&on.iter().map(|e| e.at).collect::<Vec<_>>(), plane);
+        let quantile = |of: &[f64], q: usize| of[q * (of.len() - 1) / 50];
+        let apart: f64 =
+            (0..=50).map(|q| (quantile(&found, q) - quantile(&wanted, q)).abs()).sum::<f64>() / 51.0;
+        let mean = wanted.iter().sum::<f64>() / wanted.len() as f64;
+        assert!(apart < 0.2 * mean, "{apart} of {mean}");
+    }
+}
+
+#[test]
+fn what_lies_above_stays_above() {
+    let exemplar = stems();
+    let relations = PlaceRelations::new(&exemplar);
+    let right = |without_depth: bool| {
+        let result = run(&exemplar, &ClusterParams { without_depth, ..params(800.0, true) });
+        let plane = PeriodicPlane { size: [800.0; 2], wraps: [true; 2] };
+        let figure = |e: &crate::ClusteredElement| exemplar.places[e.place].figure;
+        let (mut right, mut all) = (0u32, 0u32);
+        for (i, a) in result.elements.iter().enumerate() {
+            for b in &result.elements[i + 1..] {
+                let way = plane.between(a.at, b.at);
+                if figure(a) != figure(b) && relations.overlap(figure(a), figure(b), way) > 0 {
+                    all += 1;
+                    right += u32::from(figure(a) == 0);
+                }
+            }
+        }
+        assert!(all > 30, "{all}");
+        f64::from(right) / f64::from(all)
+    };
+    assert!(right(false) >= 0.95);
+    assert!(right(true) < 0.95);
+}
+
+#[test]
+fn threads_do_not_matter_and_seeds_do() {
+    let exemplar = loose();
+    let asked = params(600.0, true);
+    let on = |threads: usize, asked: &ClusterParams| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| run(&exemplar, asked))
+    };
+    let one = on(1, &asked);
+    assert_eq!(one, on(2, &asked));
+    assert_ne!(one.elements, on(2, &ClusterParams { seed: 4, ..asked }).elements);
+    let parts = ClusteringParts { no_link: true, ..ClusteringParts::default() };
+    assert_ne!(one.levels, on(2, &ClusterParams { without: parts, ..asked }).levels);
+    assert_ne!(one.levels, on(2, &ClusterParams { without_context: true, ..asked }).levels);
+}
+
+#[test]
+fn without_variation_the_exemplar_goes_on() {
+    let exemplar = loose();
+    let result = run(&exemplar, &ClusterParams { variation: 0.0, ..params(800.0, true) });
+    assert_eq!(result.elements.len(), 64);
+    for element in &result.elements {
+        let off = exemplar.page.between(exemplar.page.wrapped(element.at), exemplar.places[element.place].at);
+        assert!(length(off) < 1.0, "{element:?}");
+    }
+}
+
+#[test]
+fn poor_exemplars_give_a_result_or_a_clear_error() {
+    let page = PeriodicPlane { size: [400.0; 2], wraps: [true; 2] };
+    let square = figure("M-20 -20H20V20H-20Z", 0);
+    let huge = figure("M-130 -130H130V130H-130Z", 1);
+    let place = |figure, x, y| FigurePlace { figure, at: [x, y], placeable: true };
+    let of = |figures: &[&Figure], places: Vec<FigurePlace>| ClusterExemplar {
+        page,
+        figures: figures.iter().map(|f| (*f).clone()).collect(),
+        places,
+    };
+    let one = of(&[&square], vec![place(0, 100.0, 100.0)]);
+    let two = of(&[&square], vec![place(0, 100.0, 100.0), place(0, 300.0, 250.0)]);
+    let large = of(&[&square, &huge], vec![place(1, 150.0, 150.0), place(0, 340.0, 340.0)]);
+    for exemplar in [&one, &two, &large] {
+        let result = run(exemplar, &params(900.0, false));
+        assert!(result.elements.len() >= 4, "{}", result.elements.len());
+        let open = ClusterExemplar { page: PeriodicPlane { wraps: [false; 2], ..page }, ..exemplar.clone() };
+        assert!(!run(&open, &params(900.0, false)).elements.is_empty());
+    }
+    let nothing = of(&[&square], vec![FigurePlace { placeable: false, ..place(0, 100.0, 100.0) }]);
+    assert_eq!(run(&nothing, &params(500.0, false)), ClusterResult::default());
+    let refused = cluster(&large, &params(120.0, true), &|| Ok(()));
+    assert!(matches!(refused, Err(Error::Parameter { name: "size", .. })), "{refused:?}");
+    let refused = cluster(&one, &params(4e6, false), &|| Ok(()));
+    assert!(matches!(refused, Err(Error::TooLarge { .. })), "{refused:?}");
+}
+
+#[test]
+fn ten_thousand_elements_stop_when_asked_to() {
+    let dot = figure("M-1 -1H1V1H-1Z", 0);
+    let places = (0..10_000u32).map(|k| {
+        let at = [f64::from(k % 100), f64::from(k / 100)].map(|v| 2.0 + 4.0 * v);
+        FigurePlace { figure: 0, at, placeable: true }
+    });
+    let exemplar = ClusterExemplar {
+        page: PeriodicPlane { size: [400.0; 2], wraps: [true; 2] },
+        figures: vec![dot],
+        places: places.collect(),
+    };
+    let begun = Instant::now();
+    let (last, longest) = (std::cell::Cell::new(begun), std::cell::Cell::new(Duration::ZERO));
+    let go_on = || -> Result<()> {
+        longest.set(longest.get().max(last.get().elapsed()));
+        last.set(Instant::now());
+        if begun.elapsed() > Duration::from_secs(2) { Err(Error::Interrupted) } else { Ok(()) }
+    };
+    let result = cluster(&exemplar, &params(400.0, false), &go_on);
+    assert!(matches!(result, Ok(_) | Err(Error::Interrupted)));
+    assert!(longest.get() < Duration::from_secs(1), "{longest:?}");
+}
