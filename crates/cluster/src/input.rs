@@ -4,6 +4,7 @@ use crate::context::{BINS, Context, contexts, difference, shares, unit};
 use crate::figures::{ClusterExemplar, samples};
 use crate::space::{PeriodicPlane, PointIndex, Vicinity, length};
 use std::collections::BTreeMap;
+use vtex_base::error::Result;
 
 /// Weight of the difference of contexts (w_f of the paper), in lengths of which the exemplar has 400. The
 /// difference of colours weighs as much.
@@ -19,6 +20,8 @@ pub(crate) const MOST_NEAR_OUTPUT: usize = 30;
 pub(crate) const SIMILAR: usize = 3;
 /// Samples with which each is compared to find similar ones, at most.
 const COMPARED: usize = 500;
+/// Samples that are compared between two questions whether to go on.
+const AT_ONCE: usize = 4096;
 
 /// Lengths of a level.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,7 +68,15 @@ pub(crate) struct InputSamples {
 
 impl InputSamples {
     /// The samples of an exemplar whose page is about 400 long, at a level of the given lengths.
-    pub(crate) fn new(exemplar: &ClusterExemplar, scale: LevelScale, seed: u64) -> Self {
+    ///
+    /// # Errors
+    /// Those of `go_on`.
+    pub(crate) fn new(
+        exemplar: &ClusterExemplar,
+        scale: LevelScale,
+        seed: u64,
+        go_on: &dyn Fn() -> Result<()>,
+    ) -> Result<Self> {
         let figures: Vec<usize> = (0..exemplar.figures.len()).collect();
         let of_figure = vtex_base::parallel::map(&figures, |&f| {
             samples(&exemplar.figures[f], scale.distance, seed, f as u64)
@@ -124,8 +135,8 @@ impl InputSamples {
             categories,
             similar: Vec::new(),
         };
-        made.similar = made.find_similar();
-        made
+        made.similar = made.find_similar(go_on)?;
+        Ok(made)
     }
 
     /// The number of samples.
@@ -154,11 +165,11 @@ impl InputSamples {
         &self.similar[i as usize]
     }
 
-    fn find_similar(&self) -> Vec<[u32; SIMILAR]> {
+    fn find_similar(&self, go_on: &dyn Fn() -> Result<()>) -> Result<Vec<[u32; SIMILAR]>> {
         let signatures: Vec<[f32; SIGNATURE]> = (0..self.len()).map(|i| self.signature(i)).collect();
         let all: Vec<usize> = (0..self.len()).collect();
         let stride = self.len().div_ceil(COMPARED).max(1);
-        vtex_base::parallel::map(&all, |&i| {
+        let most_similar = |&i: &usize| {
             let mut best = [(f32::INFINITY, i as u32); SIMILAR];
             for j in (i % stride..self.len()).step_by(stride).filter(|&j| j != i) {
                 let colour = self.colour_cost(i as u32, j as u32) / CONTEXT_WEIGHT;
@@ -174,7 +185,13 @@ impl InputSamples {
                 }
             }
             best.map(|b| b.1)
-        })
+        };
+        let mut similar = Vec::with_capacity(self.len());
+        for chunk in all.chunks(AT_ONCE) {
+            go_on()?;
+            similar.extend(vtex_base::parallel::map(chunk, most_similar));
+        }
+        Ok(similar)
     }
 
     /// Where the neighbours of a sample are: shares of sectors and rings, those between shared out.

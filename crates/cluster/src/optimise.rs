@@ -134,7 +134,7 @@ pub fn cluster(
     let mut levels = Vec::new();
     let mut last = None;
     for scale in scales(&relations) {
-        let mut input = InputSamples::new(&scene, scale, params.seed);
+        let mut input = InputSamples::new(&scene, scale, params.seed, go_on)?;
         input.without_context = params.without_context;
         go_on()?;
         let expected = input.len() as f64 * plane.area() / scene.page.area();

@@ -13,7 +13,6 @@ use crate::search::{Matches, search};
 use crate::shape_energy::shape_match;
 use crate::space::{PeriodicPlane, PointIndex, Vicinity, length};
 use crate::votes::PairVotes;
-use std::time::{Duration, Instant};
 use vtex_base::error::{Error, Result};
 use vtex_base::geometry::{Outline, parse_path};
 use vtex_base::sampling::stream;
@@ -85,7 +84,7 @@ fn copied<'a>(exemplar: &ClusterExemplar, relations: &'a PlaceRelations<'a>) -> 
 #[test]
 fn votes_count_matches_that_share_a_cluster_and_their_order() {
     let exemplar = loose();
-    let input = InputSamples::new(&exemplar, SCALE, 1);
+    let input = InputSamples::new(&exemplar, SCALE, 1, &|| Ok(())).unwrap();
     let (low, high) = (input.first[2], input.first[7]);
     let plane = PeriodicPlane { size: [400.0; 2], wraps: [false; 2] };
     let mut output = OutputSamples::new(plane);
@@ -114,7 +113,7 @@ fn votes_count_matches_that_share_a_cluster_and_their_order() {
 #[test]
 fn shape_energy_is_zero_for_a_copy_and_one_for_a_missing_sample() {
     let exemplar = loose();
-    let input = InputSamples::new(&exemplar, SCALE, 1);
+    let input = InputSamples::new(&exemplar, SCALE, 1, &|| Ok(())).unwrap();
     let relations = PlaceRelations::new(&exemplar);
     let mut board = Board::new(exemplar.page, &relations);
     board.add(BoardElement { place: 3, at: [377.0, 391.0] });
@@ -146,7 +145,7 @@ fn rand_index(a: &[u32], b: &[u32]) -> f64 {
 #[test]
 fn clusters_are_recovered_from_shuffled_ids_and_energy_never_rises() {
     let exemplar = loose();
-    let input = InputSamples::new(&exemplar, SCALE, 1);
+    let input = InputSamples::new(&exemplar, SCALE, 1, &|| Ok(())).unwrap();
     let relations = PlaceRelations::new(&exemplar);
     let mut output = sampled(&copied(&exemplar, &relations), &input);
     let truth = output.cluster.clone();
@@ -177,7 +176,7 @@ fn clusters_are_recovered_from_shuffled_ids_and_energy_never_rises() {
 #[test]
 fn energy_falls_and_samples_return_to_their_places() {
     let exemplar = loose();
-    let input = InputSamples::new(&exemplar, SCALE, 1);
+    let input = InputSamples::new(&exemplar, SCALE, 1, &|| Ok(())).unwrap();
     let relations = PlaceRelations::new(&exemplar);
     let mut output = sampled(&copied(&exemplar, &relations), &input);
     let mut random = stream(2, "cluster/test noise", 0);
@@ -358,14 +357,18 @@ fn ten_thousand_elements_stop_when_asked_to() {
         figures: vec![dot],
         places: places.collect(),
     };
-    let begun = Instant::now();
-    let (last, longest) = (std::cell::Cell::new(begun), std::cell::Cell::new(Duration::ZERO));
-    let go_on = || -> Result<()> {
-        longest.set(longest.get().max(last.get().elapsed()));
-        last.set(Instant::now());
-        if begun.elapsed() > Duration::from_secs(2) { Err(Error::Interrupted) } else { Ok(()) }
+    let stopped_at = |most: u32| {
+        let asked = std::cell::Cell::new(0);
+        let go_on = || -> Result<()> {
+            asked.set(asked.get() + 1);
+            if asked.get() > most { Err(Error::Interrupted) } else { Ok(()) }
+        };
+        let result = cluster(&exemplar, &params(400.0, false), &go_on);
+        assert!(matches!(result, Err(Error::Interrupted)));
+        asked.get()
     };
-    let result = cluster(&exemplar, &params(400.0, false), &go_on);
-    assert!(matches!(result, Ok(_) | Err(Error::Interrupted)));
-    assert!(longest.get() < Duration::from_secs(1), "{longest:?}");
+    // Each stage asks: no question is missed once the answer is no.
+    for most in [0, 4, 40, 80] {
+        assert_eq!(stopped_at(most), most + 1);
+    }
 }
