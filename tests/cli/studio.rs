@@ -144,7 +144,7 @@ fn what_is_saved_is_what_the_commands_make_and_work_goes_on() {
     let work = page.made();
     // Killed, and started again.
     drop(page);
-    let page = Page::open(&folder, "photo.vtex-studio.json");
+    let page = Page::open(&folder, "photo.png.vtex-studio.json");
     let again = page.made();
     for what in ["options", "seed", "operations", "mended", "elements"] {
         let same =
@@ -194,6 +194,7 @@ fn files_of_the_page_steer_and_nothing_is_taken_from_paths() {
                 if state["busy"] == false {
                     break state;
                 }
+                std::thread::sleep(std::time::Duration::from_millis(20));
             };
             assert!(state["fault"]["error"].as_str().is_some_and(|e| e.contains("no files")), "{state}");
             page.tell("undo", &json!({}));

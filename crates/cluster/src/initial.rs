@@ -113,11 +113,12 @@ pub(crate) fn is_regular(relations: &PlaceRelations<'_>, period: PeriodicPlane) 
     let index = PointIndex::new(exemplar.page, relations.spacing, &at);
     let shape = |k: usize| relations.shape[places[k].figure as usize];
     // The element of the commonest shape, put on others of that shape.
-    let count = |k: usize| places.iter().filter(|p| relations.shape[p.figure as usize] == shape(k)).count();
-    let shapes: BTreeMap<u32, usize> = (0..places.len()).rev().map(|k| (shape(k), k)).collect();
-    let Some(first) = shapes.into_values().max_by_key(|k| (count(*k), std::cmp::Reverse(*k))) else {
-        return false;
-    };
+    let mut shapes: BTreeMap<u32, (usize, usize)> = BTreeMap::new();
+    for k in 0..places.len() {
+        shapes.entry(shape(k)).or_insert((0, k)).0 += 1;
+    }
+    let commonest = shapes.into_values().max_by_key(|&(count, k)| (count, std::cmp::Reverse(k)));
+    let Some((_, first)) = commonest else { return false };
     let ways = (0..places.len())
         .filter(|k| shape(*k) == shape(first))
         .map(|k| [at[k][0] - at[first][0], at[k][1] - at[first][1]]);

@@ -104,7 +104,7 @@ pub struct ClusterResult {
     pub levels: Vec<LevelReport>,
 }
 
-/// Arranges elements like those of an exemplar on a canvas. `go_on` is asked several times a second.
+/// Arranges elements like those of an exemplar on a canvas. `go_on` is asked between parts of the work.
 ///
 /// # Errors
 /// [`Error::TooLarge`] for too many elements; those of `go_on`.

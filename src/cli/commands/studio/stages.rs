@@ -2,6 +2,7 @@
 //! it, so what the page shows is what the command would write.
 
 use super::desk::{Desk, Opened};
+use super::kept::Key;
 use super::lines::{Commands, Wanted, Words};
 use crate::cli::analysis::library_of;
 use crate::cli::command::{Arguments, Merged, Resolved};
@@ -64,6 +65,12 @@ pub(super) type Listener = Arc<dyn Progress + Send>;
 /// The commands whose results are shown.
 pub(super) fn shown(opened: &Opened, desk: &Desk) -> Commands {
     Commands::new(opened, desk, Wanted { format: Format::Svg, scale: None })
+}
+
+/// What an analysis depends on.
+pub(super) fn analysis_key(opened: &Opened, desk: &Desk) -> Key {
+    let masks = desk.masks.as_ref().map(|masks| masks.sha256.clone()).unwrap_or_default();
+    [vec![opened.sha256.clone(), masks], shown(opened, desk).analyze.unwrap_or_default()].concat()
 }
 
 /// Does `vtex analyze`.
