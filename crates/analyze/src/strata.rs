@@ -133,7 +133,8 @@ fn surfaces(map: LayerMap, primaries: &LabelMap, why: &mut Option<String>) -> La
     let (map, names) = map.without_layers_of_elements(primaries);
     if !names.is_empty() {
         let why = why.get_or_insert_default();
-        why.push_str(&format!("; {} is no layer, but elements", names.join(" and ")));
+        let are = if names.len() == 1 { "is no layer" } else { "are no layers" };
+        why.push_str(&format!("; {} {are}, but elements", names.join(" and ")));
     }
     map
 }

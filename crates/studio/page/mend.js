@@ -40,7 +40,7 @@ export class Mend {
     const keys = tool === "select" ? "" : " Keys: arrows move it, the space bar begins and ends.";
     fill(this.tools, make("h2", { textContent: "Tool" }), make("div", { className: "tools" }, ...buttons),
       make("p", { textContent: TOOLS.find(([name]) => name === tool)[2] + keys }),
-      tool === "erase" ? make("div", { className: "knob" }, make("label", { for: "brush", textContent: "Width of the brush" }), brush) : null);
+      tool === "erase" ? make("div", { className: "knob" }, make("label", { for: "brush", textContent: "Radius of the brush" }), brush) : null);
   }
 
   showActions() {

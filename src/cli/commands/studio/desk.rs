@@ -298,7 +298,8 @@ mod tests {
 
     fn opened(path: PathBuf) -> Opened {
         let mut png = std::io::Cursor::new(Vec::new());
-        image::RgbImage::new(8, 8).write_to(&mut png, image::ImageFormat::Png).unwrap();
+        let picture = image::RgbImage::from_fn(40, 40, |x, y| image::Rgb([x as u8, y as u8, 9]));
+        picture.write_to(&mut png, image::ImageFormat::Png).unwrap();
         Opened::new(path, png.into_inner()).unwrap()
     }
 
@@ -316,9 +317,9 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let opened = opened(folder.path().join("leaf.png"));
         let mask = |x1: i32| Mask::from_spans(vec![Span { y: 2, x0: 1, x1 }]);
-        let elements = |x1| ElementMasks::new([8, 8], [mask(x1)]);
+        let elements = |x1| ElementMasks::new([40, 40], [mask(x1)]);
         let path = folder.path().join("leaf.masks.json");
-        let with = |x1| Desk::new(None).with_elements(path.clone(), [8, 8], elements(x1)).unwrap();
+        let with = |x1| Desk::new(None).with_elements(path.clone(), [40, 40], elements(x1)).unwrap();
         with(4).keep(&opened).unwrap();
         let document = StudioWork::read(&opened.work_path()).unwrap();
         // Ended between the masks and the document.
