@@ -1,6 +1,6 @@
 //! Drawings arranged by clustered samples ([`vtex_cluster`]): a library becomes its exemplar, the result a scene.
 
-use super::compose::{self, Placement, What, compose};
+use super::compose::{Placement, What, compose_drawing};
 use super::report::{CategoryReport, ClusterReport, SynthReport};
 use crate::arrange::controls::Controls;
 use vtex_base::error::{Error, Result};
@@ -14,7 +14,7 @@ use vtex_cluster::{
 use vtex_scene::element::{self, SimilarTo};
 use vtex_scene::library::{ElementId, Library, SourceKind};
 use vtex_scene::reconstruct::equal;
-use vtex_scene::scene::{Ablation, InstanceId, Layer, LibraryId, Scene, SynthParams, pixels};
+use vtex_scene::scene::{Ablation, LibraryId, Scene, SynthParams, pixels};
 
 /// Largest difference of an angle or a size from that of an equal element, for one that is only moved.
 const MOVED: f64 = 1e-3;
@@ -86,18 +86,11 @@ pub(super) fn synthesize(
     let found = cluster(&drawing.exemplar, &asked, &go_on)?;
     advance(progress, "primaries", 1, 2)?;
     let params = SynthParams { variation: Some(variation), ..params.clone() };
-    let libraries = std::slice::from_ref(library);
-    let layers = library.layers.iter().map(|own| Layer {
-        name: own.name.clone(),
-        field: own.field.clone(),
-        ..Layer::new(own.role)
-    });
-    let blank = compose::blank(libraries, &params, controls, layers.collect());
     let mut placed = drawing.reaching(&found, &params);
     // Layers keep their order; within one, the order is that of the result.
     placed.sort_by_key(|e| drawing.places[e.place].layer);
-    let scene =
-        compose(blank, InstanceId(0), libraries, placed.iter().map(|e| drawing.placement(library, e)));
+    let placements = placed.iter().map(|e| drawing.placement(library, e));
+    let scene = compose_drawing(library, &params, controls, placements);
     let covered = covered(library, &scene, || advance(progress, "primaries", 1, 2))?;
     let wanted = library.categories.iter().map(|c| c.coverage);
     let categories = wanted.zip(covered).map(|(wanted, got)| CategoryReport { wanted, got }).collect();
@@ -105,7 +98,7 @@ pub(super) fn synthesize(
     let report = SynthReport {
         coverage_wanted: library.coverage,
         clusters: Some(summed(&found)),
-        ..SynthReport::of_scene(libraries, &scene, categories)
+        ..SynthReport::of_scene(std::slice::from_ref(library), &scene, categories)
     };
     Ok((scene, report))
 }

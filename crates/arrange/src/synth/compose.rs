@@ -45,6 +45,22 @@ pub(crate) fn blank(
     }
 }
 
+/// A texture of one drawing: its layers, filled with placements.
+pub(super) fn compose_drawing<'a>(
+    library: &Library,
+    params: &SynthParams,
+    controls: &Controls,
+    placements: impl IntoIterator<Item = Placement<'a>>,
+) -> Scene {
+    let libraries = std::slice::from_ref(library);
+    let layers = library.layers.iter().map(|own| Layer {
+        name: own.name.clone(),
+        field: own.field.clone(),
+        ..Layer::new(own.role)
+    });
+    compose(blank(libraries, params, controls, layers.collect()), InstanceId(0), libraries, placements)
+}
+
 /// Adds placements to the layers of a scene, in their order. Elements are listed in the order of their first
 /// instance, after those that the scene lists already. New instances are numbered from `first` on.
 pub(crate) fn compose<'a>(

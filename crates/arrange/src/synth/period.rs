@@ -1,6 +1,6 @@
 //! Periodic drawings: textures placed by the drawing's period ([`crate::arrange::period`]).
 
-use super::compose::{self, Placement, What, compose};
+use super::compose::{Placement, What, compose_drawing};
 use super::report::{CategoryReport, SynthReport};
 use crate::arrange::controls::Controls;
 use crate::arrange::period::{PeriodCopy, Repeated, place};
@@ -9,7 +9,7 @@ use vtex_base::geometry::{Affine, Rect, rounded};
 use vtex_base::progress::Progress;
 use vtex_scene::element::SimilarTo;
 use vtex_scene::library::{ElementId, Library, SourceKind};
-use vtex_scene::scene::{Edge, InstanceId, Layer, LibraryId, Scene, SynthParams};
+use vtex_scene::scene::{Edge, LibraryId, Scene, SynthParams};
 
 /// Whether the period of a library can be repeated: it is a drawing whose borders join, and no control
 /// requires another density or whole elements along an edge.
@@ -36,20 +36,13 @@ pub(super) fn synthesize(
 ) -> Result<(Scene, SynthReport)> {
     let repeated = place(library, params, progress)?;
     let params = SynthParams { variation: Some(repeated.variation), ..params.clone() };
-    let libraries = std::slice::from_ref(library);
-    let layers = library.layers.iter().map(|own| Layer {
-        name: own.name.clone(),
-        field: own.field.clone(),
-        ..Layer::new(own.role)
-    });
-    let blank = compose::blank(libraries, &params, controls, layers.collect());
-    let scene = compose(blank, InstanceId(0), libraries, placements(library, &params, &repeated));
+    let scene = compose_drawing(library, &params, controls, placements(library, &params, &repeated));
     let covered = library.categories.iter().zip(&repeated.covered);
     let categories = covered.map(|(c, &got)| CategoryReport { wanted: c.coverage, got }).collect();
     let report = SynthReport {
         coverage_wanted: library.coverage,
         period: repeated.repeating,
-        ..SynthReport::of_scene(libraries, &scene, categories)
+        ..SynthReport::of_scene(std::slice::from_ref(library), &scene, categories)
     };
     Ok((scene, report))
 }
