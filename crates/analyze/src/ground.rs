@@ -5,13 +5,13 @@
 //! are found first on the bare background. A patch stays if it still saves more error than its bytes cost. Spots are
 //! then painted again around the patches that stay, and more are found.
 
-use super::Behind;
 use super::grid::{Cells, to_four_digits};
 use super::partition::Partition;
 use super::patches::{FlatPatch, difference};
 use super::pursuit::{PaintedWindow, ROUNDS, Rules, Shade};
 use super::rate_distortion::{RateDistortion, SECONDARY_BYTES};
 use super::shading::ELLIPSE_BYTES;
+use super::strata::BehindElements;
 use image::RgbImage;
 use vtex_base::error::Result;
 use vtex_base::parallel;
@@ -55,7 +55,7 @@ impl Ground {
         partition: &Partition<'_>,
         patches: Vec<FlatPatch>,
         cost: RateDistortion,
-        behind: &Behind<'_>,
+        behind: &BehindElements<'_>,
         progress: &dyn Progress,
     ) -> Result<Self> {
         let (image, grid) = (&partition.clean, partition.grid);
@@ -76,7 +76,7 @@ impl Ground {
         }
         let mut shades = window.repaint(&shades, least, rules);
         shades.extend(window.paint(least, ROUNDS, rules, progress)?);
-        let spot = |shade: Shade| GroundSpot { behind: behind(shade.ellipse.centre), shade };
+        let spot = |shade: Shade| GroundSpot { behind: behind.colour(shade.ellipse.centre), shade };
         Ok(Self { patches, spots: shades.into_iter().map(spot).collect() })
     }
 }
@@ -119,7 +119,7 @@ fn pixel(x: i32, y: i32, cells: u32, width: usize) -> usize {
 }
 
 /// The whole photograph, of which all but the primaries is to be painted, with the background painted.
-fn window(partition: &Partition<'_>, behind: &Behind<'_>) -> PaintedWindow {
+fn window(partition: &Partition<'_>, behind: &BehindElements<'_>) -> PaintedWindow {
     let (image, k) = (&partition.clean, partition.grid.cells);
     let (width, height) = ((image.width() / k) as usize, (image.height() / k) as usize);
     let mut is_free = vec![true; (image.width() * image.height()) as usize];
@@ -127,7 +127,12 @@ fn window(partition: &Partition<'_>, behind: &Behind<'_>) -> PaintedWindow {
         let start = span.y as usize * image.width() as usize + span.x0 as usize;
         is_free[start..start + span.len() as usize].fill(false);
     }
-    let smooth = CoarseBackground::new([width, height], behind);
+    let size = [width, height];
+    let smooth: Vec<CoarseBackground> =
+        (0..behind.count()).map(|layer| CoarseBackground::new(size, behind, layer)).collect();
+    let layer = |i: usize| behind.layer([i % width, i / width].map(|v| v as f64 + 0.5)) as u8;
+    let layers: Vec<u8> =
+        if behind.count() > 1 { (0..width * height).map(layer).collect() } else { Vec::new() };
     let mut pixels = vec![(0f32, [0f32; 3], [0f32; 3]); width * height];
     parallel::for_chunks(&mut pixels, width, |y, row| {
         for (x, (weight, target, painted)) in row.iter_mut().enumerate() {
@@ -142,7 +147,8 @@ fn window(partition: &Partition<'_>, behind: &Behind<'_>) -> PaintedWindow {
             if count > 0 {
                 *target = target.map(|v| v / count as f32);
                 *weight = count as f32 / (k * k) as f32;
-                *painted = smooth.at([x, y]);
+                let layer = layers.get(y * width + x).copied().unwrap_or(0);
+                *painted = smooth[usize::from(layer)].at([x, y]);
             }
         }
     });
@@ -153,10 +159,11 @@ fn window(partition: &Partition<'_>, behind: &Behind<'_>) -> PaintedWindow {
         weight: pixels.iter().map(|p| p.0).collect(),
         target: pixels.iter().map(|p| p.1).collect(),
         painted: pixels.iter().map(|p| p.2).collect(),
+        layers,
     }
 }
 
-/// The background at every fourth pixel.
+/// The background of a layer at every fourth pixel.
 struct CoarseBackground {
     columns: usize,
     colours: Vec<[f32; 3]>,
@@ -166,13 +173,13 @@ impl CoarseBackground {
     /// Distance of the pixels at which it is known. The field's control points lie several times as far apart.
     const STEP: usize = 4;
 
-    fn new([width, height]: [usize; 2], behind: &Behind<'_>) -> Self {
+    fn new([width, height]: [usize; 2], behind: &BehindElements<'_>, layer: usize) -> Self {
         let [columns, rows] = [width, height].map(|side| side.div_ceil(Self::STEP) + 1);
         let mut colours = vec![[0.0; 3]; columns * rows];
         parallel::for_chunks(&mut colours, columns, |row, chunk| {
             for (column, colour) in chunk.iter_mut().enumerate() {
                 let at = [column, row].map(|v| (v * Self::STEP) as f64 + 0.5);
-                *colour = behind(at).map(|v| v as f32);
+                *colour = behind.colour_of(layer, at).map(|v| v as f32);
             }
         });
         Self { columns, colours }

@@ -47,12 +47,11 @@ use vtex_base::parallel;
 use vtex_base::progress::{Progress, SideBySide, advance};
 use vtex_base::raster::blur::gaussian;
 use vtex_base::raster::picture::outlines;
-use vtex_base::raster::{LabelMap, Mask};
+use vtex_base::raster::Mask;
 use vtex_scene::library::{
     Arrangement, Category, CategoryId, ExemplarElement, Guide, Library, Source, SourceKind,
 };
-use vtex_scene::scene::field::Interpolant;
-use vtex_scene::scene::{Field, Tile};
+use vtex_scene::scene::Tile;
 use vtex_segment::segment::{Segmenter, details};
 
 /// Analyses an exemplar: finds its elements with `segmenter`, and derives their shapes, colours, categories
@@ -121,10 +120,10 @@ fn analyze_whole(
     let partition = Partition::new(exemplar, &masks, params);
     progress.picture("primaries", &|| outlines(&partition.image, &partition.labels));
     advance(progress, "details", 0, partition.primaries.len() as u64)?;
-    let (background, parts) = parts(&partition, progress)?;
+    let (strata, parts) = parts(&partition, progress)?;
     advance(progress, "joining", 0, 1)?;
     let mut warnings = exemplar.warnings.clone();
-    let pieces = pieces(&partition, &background.palette, parts, &mut warnings, progress)?;
+    let pieces = pieces(&partition, &strata, parts, &mut warnings, progress)?;
     advance(progress, "outlines", 0, 1)?;
     let shapes = shapes::outlines(&partition, &pieces);
     advance(progress, "categories", 0, 1)?;
@@ -134,20 +133,9 @@ fn analyze_whole(
         progress.warn(warning);
     }
     let source = Source { warnings, ..source(exemplar, segmenter, params) };
-    let library = library(exemplar, elements, background, source, progress);
+    let library = library(exemplar, elements, strata, source, progress);
     debug_assert_eq!(library.validate(), Ok(()));
     Ok(library)
-}
-
-/// The colour of the background at a place of the photograph with its margin, in pixels.
-type Behind<'a> = dyn Fn([f64; 2]) -> [f64; 3] + Sync + 'a;
-
-/// What lies behind all elements.
-struct BackgroundParts {
-    palette: Field,
-    strata: PhotographStrata,
-    /// A map of the photograph with a label above 0 wherever there is an element.
-    textons: LabelMap,
 }
 
 /// The parts of elements.
@@ -157,42 +145,34 @@ struct ElementPieces {
     secondaries: Vec<Cells<Mask>>,
 }
 
-/// Second stage: the details of primaries, joined secondaries, and the background behind them.
-fn parts(partition: &Partition<'_>, progress: &dyn Progress) -> Result<(BackgroundParts, ElementPieces)> {
+/// Second stage: the details of primaries, joined secondaries, and the layers with their backgrounds.
+fn parts(partition: &Partition<'_>, progress: &dyn Progress) -> Result<(PhotographStrata, ElementPieces)> {
     let Partition { exemplar, params, in_cells, clean, .. } = partition;
     let primaries = partition.margin.inner(&partition.labels);
     let textons = partition.textons();
-    let palette = || background::palette(&exemplar.image, &primaries, &textons, params);
     let secondaries = || {
         let cost = RateDistortion::new(params, partition.grid);
         joining::join_secondaries(clean, &partition.patches, cost, in_cells.secondary_maximum)
     };
     let tasks = SideBySide::new(progress, "details");
-    let strata = || PhotographStrata::new(exemplar, &primaries, params, &tasks.silent());
+    let strata = || PhotographStrata::new(exemplar, [&primaries, &textons], params, &tasks.silent());
     let details = || all_details(clean, &partition.primaries, in_cells);
-    let ((details, strata), (palette, secondaries)) =
-        parallel::join(|| parallel::join(details, strata), || parallel::join(palette, secondaries));
+    let (strata, (details, secondaries)) = parallel::join(strata, || parallel::join(details, secondaries));
     let strata = strata?;
-    progress.picture("background", &|| pictures::background(&exemplar.image, &textons, &palette));
-    Ok((BackgroundParts { palette, strata, textons }, ElementPieces { details, secondaries }))
+    progress.picture("background", &|| pictures::background(&exemplar.image, &textons, &strata.fields));
+    Ok((strata, ElementPieces { details, secondaries }))
 }
 
 /// Third stage: the pieces that are worth their bytes.
 fn pieces(
     partition: &Partition<'_>,
-    palette: &Field,
+    strata: &PhotographStrata,
     parts: ElementPieces,
     warnings: &mut Vec<String>,
     progress: &dyn Progress,
 ) -> Result<ExemplarPieces> {
-    let Partition { exemplar, params, margin, .. } = partition;
-    let (width, height) = exemplar.image.dimensions();
-    let tile = Tile { x: params.wrap, y: params.wrap };
-    let interpolant = Interpolant::new(palette, width, height, tile);
-    let behind = |at: [f64; 2]| {
-        let [x, y] = margin.place(at);
-        interpolant.at(x, y)
-    };
+    let wrap = partition.params.wrap;
+    let behind = strata.behind(&partition.margin, Tile { x: wrap, y: wrap });
     let patches = patches::flat_patches(&partition.clean, parts.secondaries, partition.grid, &behind);
     simplify::simplify(partition, &parts.details, patches, &behind, warnings, progress)
 }
@@ -201,7 +181,7 @@ fn pieces(
 fn library(
     exemplar: &Exemplar,
     elements: Elements,
-    background: BackgroundParts,
+    strata: PhotographStrata,
     source: Source,
     progress: &dyn Progress,
 ) -> Library {
@@ -215,8 +195,7 @@ fn library(
     progress.picture("descriptors", &|| pictures::descriptors(&labels, &ids, &centroids, descriptor_half));
     let spacing = secondaries::spacing(&centres(&secondaries), &labels);
     let elements: Vec<ExemplarElement> = primaries.into_iter().chain(secondaries).collect();
-    let BackgroundParts { palette, strata, textons } = background;
-    let layers = strata.layers(exemplar, [&labels, &textons], &elements, (palette, spacing), &params);
+    let layers = strata.layers(&labels, &elements, spacing);
     let guide = Guide::of(&exemplar.image);
     Library {
         format: Library::FORMAT.into(),

@@ -51,6 +51,11 @@ impl Margin {
         Self { size, width: 0, joined: [BTreeMap::new(), BTreeMap::new()], cut: Vec::new() }
     }
 
+    /// Width and height of the photograph without it, in pixels.
+    pub(super) fn size(&self) -> [u32; 2] {
+        self.size
+    }
+
     /// The margin that a photograph with these primaries needs.
     pub(super) fn new(primaries: &LabelMap) -> Self {
         let size = [primaries.width, primaries.height];

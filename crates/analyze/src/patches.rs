@@ -1,7 +1,7 @@
 //! Flat patches between the primaries, and the colours of masks.
 
-use super::Behind;
 use super::grid::{Cells, SubpixelGrid};
+use super::strata::BehindElements;
 use image::RgbImage;
 use vtex_base::parallel;
 use vtex_base::raster::Mask;
@@ -22,11 +22,11 @@ pub(super) fn flat_patches(
     image: &Cells<RgbImage>,
     masks: Vec<Cells<Mask>>,
     grid: SubpixelGrid,
-    behind: &Behind<'_>,
+    behind: &BehindElements<'_>,
 ) -> Vec<FlatPatch> {
     let found = parallel::map(&masks, |mask| {
         let colour = median(image, mask);
-        (colour, difference(colour, behind(grid.centroid(mask))))
+        (colour, difference(colour, behind.colour(grid.centroid(mask))))
     });
     masks
         .into_iter()

@@ -56,11 +56,11 @@ pub(super) fn descriptors(
 }
 
 /// The background pixels that the palette is sampled from, with a square of its colour at each site.
-pub(super) fn background(image: &RgbImage, textons: &LabelMap, background: &Field) -> RgbImage {
+pub(super) fn background(image: &RgbImage, textons: &LabelMap, backgrounds: &[Field]) -> RgbImage {
     let mut picture = RgbImage::from_fn(image.width(), image.height(), |x, y| {
         if textons.get(x, y) == 0 { *image.get_pixel(x, y) } else { Rgb([0; 3]) }
     });
-    for site in &background.points {
+    for site in backgrounds.iter().flat_map(|field| &field.points) {
         for (dx, dy) in (-4..=4i64).flat_map(|dy| (-4..=4i64).map(move |dx| (dx, dy))) {
             let (x, y) = (site.x as i64 + dx, site.y as i64 + dy);
             if x >= 0 && y >= 0 && x < i64::from(image.width()) && y < i64::from(image.height()) {

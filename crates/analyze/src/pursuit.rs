@@ -54,6 +54,8 @@ pub(super) struct PaintedWindow {
     pub(super) target: Vec<[f32; 3]>,
     /// The colour painted so far.
     pub(super) painted: Vec<[f32; 3]>,
+    /// The layer of each pixel, which hides what lies in lower ones; empty if there is one layer.
+    pub(super) layers: Vec<u8>,
 }
 
 /// What ellipses are permitted.
@@ -395,7 +397,14 @@ impl PaintedWindow {
         Ellipse::of_square([centre[0] + mean[0], centre[1] + mean[1]], square, Profile::Soft)
     }
 
-    /// The pixels to be painted that an ellipse covers, and its opacity there.
+    /// The layer of an ellipse: that of the pixel at its centre.
+    fn layer(&self, ellipse: &Ellipse) -> u8 {
+        let [x, y] = [(ellipse.centre[0], self.width), (ellipse.centre[1], self.height)]
+            .map(|(v, side)| (v as usize).min(side - 1));
+        self.layers.get(y * self.width + x).copied().unwrap_or(0)
+    }
+
+    /// The pixels to be painted in which an ellipse is seen, and its opacity there.
     fn covered(&self, ellipse: &Ellipse) -> impl Iterator<Item = (usize, f32)> + use<'_> {
         let (inverse, fall) = (ellipse.map().inverse(), FallOff::of(ellipse.profile));
         let [xx, xy, yy] = ellipse.matrix;
@@ -405,10 +414,11 @@ impl PaintedWindow {
             (low.max(0.0) as usize)..(libm::ceil(high.clamp(0.0, side as f64)) as usize)
         };
         let (columns, rows) = (range(0, self.width), range(1, self.height));
+        let layer = self.layer(ellipse);
         let pixels = rows.flat_map(move |y| columns.clone().map(move |x| (x, y)));
         pixels.filter_map(move |(x, y)| {
             let i = y * self.width + x;
-            if self.weight[i] <= 0.0 {
+            if self.weight[i] <= 0.0 || self.layers.get(i).is_some_and(|&above| above > layer) {
                 return None;
             }
             let p = inverse * Point::new(x as f64 + 0.5, y as f64 + 0.5);
@@ -527,7 +537,15 @@ mod tests {
         let at = |i: usize| [i % 60, i / 60].map(|v| v as f64 + 0.5);
         let target = (0..3600).map(|i| [target(at(i)[0], at(i)[1]); 3]).collect();
         let (weight, painted) = (vec![1.0; 3600], vec![[0.0; 3]; 3600]);
-        PaintedWindow { width: 60, height: 60, corner: [100.0, 50.0], weight, target, painted }
+        PaintedWindow {
+            width: 60,
+            height: 60,
+            corner: [100.0, 50.0],
+            weight,
+            target,
+            painted,
+            layers: Vec::new(),
+        }
     }
 
     const RULES: Rules =

@@ -124,6 +124,7 @@ fn window(
         weight: sums.iter().map(|s| s.2 as f32 / (k * k) as f32).collect(),
         target: sums.iter().map(|s| mean(s.0, s.2)).collect(),
         painted: sums.iter().map(|s| mean(s.1, s.2)).collect(),
+        layers: Vec::new(),
     }
 }
 

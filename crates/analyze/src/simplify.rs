@@ -1,6 +1,5 @@
 //! Simplification: joins and drops pieces until the drawing is worth its bytes.
 
-use super::Behind;
 use super::grid::Cells;
 use super::ground::Ground;
 use super::joining;
@@ -11,6 +10,7 @@ use super::pursuit::Shade;
 use super::rate_distortion::RateDistortion;
 use super::shading;
 use super::shapes::ExemplarPieces;
+use super::strata::BehindElements;
 use image::RgbImage;
 use std::collections::BTreeMap;
 use vtex_base::error::Result;
@@ -33,7 +33,7 @@ pub(super) fn simplify(
     partition: &Partition<'_>,
     details: &[Vec<Cells<Mask>>],
     patches: Vec<FlatPatch>,
-    behind: &Behind<'_>,
+    behind: &BehindElements<'_>,
     warnings: &mut Vec<String>,
     progress: &dyn Progress,
 ) -> Result<ExemplarPieces> {

@@ -1,89 +1,82 @@
-//! The nested layers of a weathered photograph: the layer of each element, and the background of each layer.
+//! The nested layers of a weathered photograph: the background of each layer, and the layer of each element.
 //!
-//! The map of layers is found with the primaries known, or painted. Borders go around large elements; small
-//! ones belong where their centre lies. Each stratum has a palette from its own pixels.
+//! The map of layers is found with the primaries known, or painted. Borders go around large elements; spots
+//! belong where their centre lies, other elements where most of their pixels lie. Each stratum has a palette from its
+//! own pixels, and elements are sought on the background of the stratum that they lie in.
 
+use super::margin::Margin;
 use super::{Exemplar, background};
 use vtex_base::error::Result;
+use vtex_base::parallel;
 use vtex_base::progress::Progress;
 use vtex_base::raster::LabelMap;
 use vtex_field::layers::{Count, FindParams, LayerMap, find};
 use vtex_scene::element::ElementId;
 use vtex_scene::library::{AnalyzeParams, ExemplarElement, ExemplarInstance, ExemplarLayer, Role};
-use vtex_scene::scene::Field;
+use vtex_scene::scene::field::Interpolant;
+use vtex_scene::scene::{Field, Tile};
 
 /// The layers of a photograph.
 pub(super) struct PhotographStrata {
     /// Their map; each large element lies in one of them. `None` if there is a single layer.
     map: Option<LayerMap>,
+    /// The background of each layer.
+    pub(super) fields: Vec<Field>,
     /// The reason for their number, if it was decided.
     pub(super) why: Option<String>,
 }
 
 impl PhotographStrata {
-    /// Finds the layers of an exemplar, or takes painted ones. `primaries` has a label above 0 for each
-    /// known element.
+    /// The layers of an exemplar and their backgrounds. `primaries` has a label above 0 for each known primary,
+    /// `textons` for any element.
+    ///
+    /// # Errors
+    /// Those of [`find`], and of painted layers that do not fit the exemplar.
     pub(super) fn new(
         exemplar: &Exemplar,
-        primaries: &LabelMap,
+        [primaries, textons]: [&LabelMap; 2],
         params: &AnalyzeParams,
         progress: &dyn Progress,
     ) -> Result<Self> {
-        let order = || params.layer_order.iter().map(|&k| k as usize).collect::<Vec<_>>();
-        let (map, mut why) = match (&exemplar.layers, params.layers) {
-            (Some(painted), _) => {
-                painted.check_photograph(exemplar.image.dimensions())?;
-                let given = &params.layer_order;
-                let map = if given.is_empty() { painted.clone() } else { painted.reordered(&order())? };
-                (map, Some("as painted".into()))
-            }
-            (None, 1) => return Ok(Self { map: None, why: None }),
-            (None, count) => {
-                let count = if count == 0 { Count::Auto } else { Count::Fixed(count as usize) };
-                let order = (!params.layer_order.is_empty()).then(order);
-                let wanted = FindParams { count, order, seed: params.seed };
-                let found = find(&exemplar.image, Some(primaries), &wanted, progress)?;
-                (found.map, Some(found.decision.why))
-            }
+        let (map, why) = found(exemplar, primaries, params, progress)?;
+        let Some(map) = map else {
+            let field = background::palette(&exemplar.image, primaries, textons, params);
+            return Ok(Self { map: None, fields: vec![field], why });
         };
-        if map.layers.len() < 2 {
-            return Ok(Self { map: None, why });
-        }
-        let areas = primaries.areas();
-        let least = LayerMap::least_element([primaries.width, primaries.height]);
-        let of = map.layers_of(primaries, areas.len().saturating_sub(1));
-        let map = map.with_whole_elements(|i| {
-            let element = primaries.labels[i] as usize;
-            (element > 0 && areas[element] >= least).then(|| of[element - 1])
-        });
-        let is_decided = exemplar.layers.is_none() && params.layers == 0;
-        let map = if is_decided { surfaces(map, primaries, &mut why) } else { map.without_unused() };
-        Ok(Self { map: (map.layers.len() > 1).then_some(map), why })
+        let palette = |k: &usize| {
+            let or_beside = |known: &LabelMap| {
+                let labels = known.labels.iter().zip(&map.labels.labels);
+                let labels = labels.map(|(&known, &l)| u32::from(known > 0 || l as usize != *k)).collect();
+                LabelMap { labels, ..*known }
+            };
+            background::palette(&exemplar.image, &or_beside(primaries), &or_beside(textons), params)
+        };
+        let layers: Vec<usize> = (0..map.layers.len()).collect();
+        let fields = parallel::map(&layers, palette);
+        Ok(Self { map: Some(map), fields, why })
     }
 
-    /// The layers of the library. `textons` is above 0 in any element, `primaries` in large ones; `elements`
-    /// are those of the library.
+    /// What lies behind all elements.
+    pub(super) fn behind<'a>(&'a self, margin: &'a Margin, tile: Tile) -> BehindElements<'a> {
+        let [width, height] = margin.size();
+        let fields = self.fields.iter().map(|field| Interpolant::new(field, width, height, tile)).collect();
+        BehindElements { margin, fields, layers: self.map.as_ref().map(|map| &map.labels) }
+    }
+
+    /// The layers of the library. `primaries` is above 0 in large elements; `elements` are those of the library.
     pub(super) fn layers(
         &self,
-        exemplar: &Exemplar,
-        [primaries, textons]: [&LabelMap; 2],
+        primaries: &LabelMap,
         elements: &[ExemplarElement],
-        (background, spacing): (Field, f64),
-        params: &AnalyzeParams,
+        spacing: f64,
     ) -> Vec<ExemplarLayer> {
         let Some(map) = &self.map else {
-            return vtex_scene::library::Library::three_layers(elements, background, spacing);
+            return vtex_scene::library::Library::three_layers(elements, self.fields[0].clone(), spacing);
         };
         let of_elements = self.of_elements(map, primaries, elements);
         let regions = map.outlines([false; 2]);
         let mut layers = Vec::new();
         for (k, layer) in map.layers.iter().enumerate() {
-            let beside = |known: &LabelMap| {
-                let labels = known.labels.iter().zip(&map.labels.labels);
-                let labels = labels.map(|(&known, &l)| u32::from(known > 0 || l as usize != k)).collect();
-                LabelMap { labels, ..*known }
-            };
-            let field = background::palette(&exemplar.image, &beside(primaries), &beside(textons), params);
             let own = |role: Role| {
                 let is_own = |i: &usize| {
                     usize::from(of_elements[*i]) == k
@@ -98,7 +91,7 @@ impl PhotographStrata {
                 name: layer.name.clone(),
                 region: k.checked_sub(1).map(|above| regions[above].clone()),
                 colour: Some(layer.colour),
-                field: Some(field),
+                field: Some(self.fields[k].clone()),
                 ..ExemplarLayer::new(Role::Background)
             });
             for role in [Role::Secondary, Role::Primary] {
@@ -113,19 +106,94 @@ impl PhotographStrata {
         layers
     }
 
-    /// The layer of each element: the one of most of its pixels, or the one at its centre if it is small.
+    /// The layer of each element: the one of most of its pixels, and for spots the one at their centre.
     fn of_elements(&self, map: &LayerMap, primaries: &LabelMap, elements: &[ExemplarElement]) -> Vec<u8> {
         let count = elements.partition_point(|e| e.category.is_some());
         let mut of = map.layers_of(primaries, count);
-        of.extend(elements[count..].iter().map(|e| {
-            let [x, y] = [0, 1].map(|k| {
-                let size = [map.labels.width, map.labels.height][k];
-                (e.centroid[k] as u32).min(size - 1)
-            });
-            map.labels.get(x, y) as u8
+        of.extend(parallel::map(&elements[count..], |e| {
+            let at_centre = label(&map.labels, e.centroid) as u8;
+            let outline = &e.shapes[0].outline;
+            if e.shapes[0].is_soft() { at_centre } else { map.layer_within(outline).unwrap_or(at_centre) }
         }));
         of
     }
+}
+
+/// What lies behind the elements of a photograph: the background, or the background of each layer.
+pub(super) struct BehindElements<'a> {
+    margin: &'a Margin,
+    fields: Vec<Interpolant>,
+    /// The layer of each pixel, if there are several.
+    layers: Option<&'a LabelMap>,
+}
+
+impl BehindElements<'_> {
+    /// Number of layers.
+    pub(super) fn count(&self) -> usize {
+        self.fields.len()
+    }
+
+    /// The layer at a place of the photograph with its margin, in pixels.
+    pub(super) fn layer(&self, at: [f64; 2]) -> usize {
+        self.layers.map_or(0, |labels| label(labels, self.margin.place(at)) as usize)
+    }
+
+    /// The colour of a layer's background at a place, components 0 to 255, not clamped.
+    pub(super) fn colour_of(&self, layer: usize, at: [f64; 2]) -> [f64; 3] {
+        let [x, y] = self.margin.place(at);
+        self.fields[layer].at(x, y)
+    }
+
+    /// The colour behind elements at a place.
+    pub(super) fn colour(&self, at: [f64; 2]) -> [f64; 3] {
+        self.colour_of(self.layer(at), at)
+    }
+}
+
+/// The label of the pixel at a place, or of the pixel nearest to it.
+fn label(labels: &LabelMap, at: [f64; 2]) -> u32 {
+    let [x, y] = [(at[0], labels.width), (at[1], labels.height)].map(|(v, side)| (v as u32).min(side - 1));
+    labels.get(x, y)
+}
+
+/// The layers of an exemplar, found or painted, if there are several, and the reason for their number. `primaries` has
+/// a label above 0 for each known element.
+fn found(
+    exemplar: &Exemplar,
+    primaries: &LabelMap,
+    params: &AnalyzeParams,
+    progress: &dyn Progress,
+) -> Result<(Option<LayerMap>, Option<String>)> {
+    let order = || params.layer_order.iter().map(|&k| k as usize).collect::<Vec<_>>();
+    let (map, mut why) = match (&exemplar.layers, params.layers) {
+        (Some(painted), _) => {
+            painted.check_photograph(exemplar.image.dimensions())?;
+            let given = &params.layer_order;
+            let map = if given.is_empty() { painted.clone() } else { painted.reordered(&order())? };
+            (map, Some("as painted".into()))
+        }
+        (None, 1) => return Ok((None, None)),
+        (None, count) => {
+            let count = if count == 0 { Count::Auto } else { Count::Fixed(count as usize) };
+            let order = (!params.layer_order.is_empty()).then(order);
+            let wanted = FindParams { count, order, seed: params.seed };
+            let found = find(&exemplar.image, Some(primaries), &wanted, progress)?;
+            (found.map, Some(found.decision.why))
+        }
+    };
+    if map.layers.len() < 2 {
+        return Ok((None, why));
+    }
+    let areas = primaries.areas();
+    let least = LayerMap::least_element([primaries.width, primaries.height]);
+    let of = map.layers_of(primaries, areas.len().saturating_sub(1));
+    let map = map.with_whole_elements(|i| {
+        let element = primaries.labels[i] as usize;
+        (element > 0 && areas[element] >= least).then(|| of[element - 1])
+    });
+    let is_decided = exemplar.layers.is_none() && params.layers == 0;
+    let map = if is_decided { surfaces(map, primaries, &mut why) } else { map.without_unused() };
+    Ok(((map.layers.len() > 1).then_some(map), why))
 }
 
 /// The map of those layers that are surfaces, with the reason why others are not.

@@ -1,8 +1,8 @@
 //! Strata of a scene: the nested layers of a weathered surface, each with its region, background and
 //! elements.
 //!
-//! The correspondence field gives the stratum of each cell. Regions follow by rank, nested and with the
-//! exemplar's areas, or are taken from a given map, with thin strips where strata would touch that do not in
+//! Depths in the exemplar's regions are copied along the correspondence field, pixel by pixel. Regions follow by rank,
+//! nested and with the exemplar's areas, or are taken from a given map, with thin strips where strata would touch that do not in
 //! the exemplar. Elements larger than a 10,000th of the squared shorter side stay whole: borders go around
 //! them. Smaller ones belong to the stratum at their centre. A border is thus crisp where backgrounds meet,
 //! and follows the elements where there are some.
@@ -264,12 +264,11 @@ fn map(
 ) -> Result<LayerMap> {
     let size = [params.width, params.height];
     let wrap = [params.tile.x, params.tile.y];
-    let nested = LayerExemplar { map: exemplar, photograph: None };
     if let Some(StructureGuide::Strata(given)) = &controls.structure {
+        let nested = LayerExemplar { map: exemplar, photograph: None };
         return nested.separated(&stretched(given, size), wrap);
     }
-    let cells = correspondence.labels_of_cells(arrangement.cells.model(), &exemplar.labels, size);
-    nested.smoothed_cells(&cells, size.map(|v| v as usize), wrap)
+    correspondence.layer_map(arrangement.cells.model(), exemplar, size)
 }
 
 /// A map stretched to the size of the canvas, by nearest neighbour.

@@ -5,12 +5,12 @@
 //! cells around a place vote on its depth in each region. Labels follow from depths by rank, so regions are
 //! nested and their areas exact.
 
+use super::carrier::{Carrier, pixel_of};
 use super::map::{Contacts, LayerMap};
 use super::regions::{Depths, depth};
-use crate::correspondence::{CHANNELS, CanvasRequest, CorrespondenceField, ExemplarPage, find};
+use crate::correspondence::{CHANNELS, CanvasRequest, ExemplarPage, find};
 use image::RgbImage;
 use vtex_base::error::Result;
-use vtex_base::parallel;
 use vtex_base::progress::Progress;
 use vtex_base::raster::blur::oklab_planes;
 use vtex_base::raster::check_size;
@@ -74,18 +74,35 @@ impl LayerExemplar<'_> {
         self.check()?;
         check_size(size)?;
         let cell = self.cell();
-        let depths: Vec<Vec<f32>> =
-            (1..self.map.layers.len()).map(|k| depth(&self.map.region(k, [false; 2]))).collect();
+        let depths = self.depths();
         let page = self.page(&depths, cell);
         let cells = size.map(|v| v.div_ceil(cell));
         let request = CanvasRequest { pages: &[page], size: cells, wrap, groups: None, active: None, seed };
         let field = find(&request, progress)?;
-        let carrier = Carrier { field: &field, exemplar: self.map.size(), cell, canvas: size };
-        let grid = size.map(|v| v.div_ceil((cell / 2).max(1)));
-        let planes = carrier.voted(&depths, grid, 1, 0.6);
-        let depths = Depths { size, wrap, grid, planes };
-        let labels = depths.labels(&self.map.shares(), self.most_distant(), self.speck());
-        Ok(self.map.with(labels))
+        let pixel = pixel_of(self.map.size());
+        Ok(self.copied(&Carrier::filling(&field, cell, size, &pixel), depths))
+    }
+
+    /// Makes a new map along a given field, with the areas of the exemplar. It repeats along the axes of the field.
+    ///
+    /// # Errors
+    /// [`vtex_base::Error::Control`] if the exemplar's map has one layer.
+    pub fn along(&self, carrier: &Carrier<'_>) -> Result<LayerMap> {
+        self.check()?;
+        Ok(self.copied(carrier, self.depths()))
+    }
+
+    /// A map of the exemplar's depths, copied along a field.
+    fn copied(&self, carrier: &Carrier<'_>, depths: Vec<Vec<f32>>) -> LayerMap {
+        let (size, wrap) = (carrier.canvas, carrier.field.wrap);
+        let planes = carrier.voted(&depths, size, 1, 0.6);
+        let depths = Depths { size, wrap, grid: size, planes };
+        self.map.with(depths.labels(&self.map.shares(), self.most_distant(), self.speck()))
+    }
+
+    /// The depth of each pixel of the exemplar in each region above the bottom.
+    fn depths(&self) -> Vec<Vec<f32>> {
+        (1..self.map.layers.len()).map(|k| depth(&self.map.region(k, [false; 2]))).collect()
     }
 
     /// The features of the exemplar for the search.
@@ -143,77 +160,6 @@ pub(super) fn deviation<'v>(channels: impl Iterator<Item = &'v Vec<f32>>) -> f32
         values.iter().map(|&v| (f64::from(v) - mean) * (f64::from(v) - mean)).sum::<f64>() / count
     };
     libm::sqrt(channels.map(variance).sum::<f64>()) as f32
-}
-
-/// Values of an exemplar, copied along a field.
-pub(super) struct Carrier<'a> {
-    pub(super) field: &'a CorrespondenceField,
-    /// Size of the exemplar, in pixels.
-    pub(super) exemplar: [usize; 2],
-    /// Side of its cells, in pixels.
-    pub(super) cell: usize,
-    /// Size of the canvas, in pixels.
-    pub(super) canvas: [usize; 2],
-}
-
-impl Carrier<'_> {
-    /// Planes of the exemplar, sampled on a grid over the canvas. Each sample is the mean over the cells
-    /// within `reach`, each continued from its source and weighted by a Gaussian of `sigma` cells.
-    pub(super) fn voted(
-        &self,
-        planes: &[Vec<f32>],
-        grid: [usize; 2],
-        reach: i64,
-        sigma: f64,
-    ) -> Vec<Vec<f32>> {
-        let cells = self.field.size;
-        // Cells are slightly smaller where their size does not divide the canvas.
-        let pitch = [0, 1].map(|k| self.canvas[k] as f64 / cells[k] as f64);
-        let count = planes.len();
-        let mut voted = vec![0f32; grid[0] * grid[1] * count];
-        parallel::for_chunks(&mut voted, grid[0] * count, |gy, row| {
-            let py = (gy as f64 + 0.5) * self.canvas[1] as f64 / grid[1] as f64;
-            for (gx, out) in row.chunks_mut(count).enumerate() {
-                let px = (gx as f64 + 0.5) * self.canvas[0] as f64 / grid[0] as f64;
-                let at = [px / pitch[0], py / pitch[1]];
-                let own = at.map(|v| v as i64);
-                let mut total = 0.0;
-                for dy in -reach..=reach {
-                    for dx in -reach..=reach {
-                        let there = [own[0] + dx, own[1] + dy];
-                        let Some(q) = self.cell_at(there) else { continue };
-                        let away = [0, 1].map(|k| at[k] - there[k] as f64);
-                        let source = self.field.sources[q].at;
-                        let from =
-                            [0, 1].map(|k| ((f64::from(source[k]) + away[k]) * self.cell as f64) as i64);
-                        let inside = (0..2).all(|k| (0..self.exemplar[k] as i64).contains(&from[k]));
-                        if !inside && [dx, dy] != [0, 0] {
-                            continue;
-                        }
-                        let from = [0, 1].map(|k| from[k].clamp(0, self.exemplar[k] as i64 - 1) as usize);
-                        let off = [away[0] - 0.5, away[1] - 0.5];
-                        let weight =
-                            libm::exp(-(off[0] * off[0] + off[1] * off[1]) / (2.0 * sigma * sigma)) as f32;
-                        let pixel = from[1] * self.exemplar[0] + from[0];
-                        out.iter_mut().zip(planes).for_each(|(out, plane)| *out += weight * plane[pixel]);
-                        total += weight;
-                    }
-                }
-                out.iter_mut().for_each(|v| *v /= total);
-            }
-        });
-        (0..count).map(|c| voted.iter().skip(c).step_by(count).copied().collect()).collect()
-    }
-
-    /// Index of a cell, across seams; `None` beyond a border.
-    fn cell_at(&self, at: [i64; 2]) -> Option<usize> {
-        let axis = |k: usize| {
-            let count = self.field.size[k] as i64;
-            let v = if self.field.wrap[k] { at[k].rem_euclid(count) } else { at[k] };
-            (0..count).contains(&v).then_some(v as usize)
-        };
-        Some(axis(1)? * self.field.size[0] + axis(0)?)
-    }
 }
 
 #[cfg(test)]

@@ -3,13 +3,14 @@
 //! Regions come from k-means of blurred Oklab colours. Their borders are smoothed twice, and specks are
 //! joined to their surroundings. The measures in `extent` decide whether there are layers at all. Three
 //! layers are kept if each of them is thick. The order is the one in which non-consecutive layers touch
-//! least.
+//! least. At last borders are drawn again on the pixels of the photograph (`refine`).
 
 use super::clean::{enlarged, smoothed, without_specks};
 use super::extent::{ColourContrast, extent, thickness};
 use super::map::{Contacts, LayerMap, MOST_LAYERS, shares};
 use super::names::named;
 use super::order::order;
+use super::refine::refined;
 use image::RgbImage;
 use vtex_base::error::{Error, Result, check};
 use vtex_base::kmeans::{cluster, nearest};
@@ -127,7 +128,7 @@ pub fn find(
     advance(progress, STAGE, 3, 4)?;
 
     let order = order(&Contacts::new(&decided.0, decided.1, [false; 2]), &shares(&decided.0, decided.1));
-    let map = assembled(&decided.0, &order, &planes, size, factor);
+    let map = assembled(&decided.0, &order, &planes, image, factor);
     let map = match &parameters.order {
         Some(order) => map.reordered(order)?,
         None => map,
@@ -190,20 +191,25 @@ fn decide(
     Ok((pair, 2, format!("{reached}, there is no third colour")))
 }
 
-/// The labels at the size of the photograph, in the given order, with mean colours and names.
+/// The labels at the size of the photograph, in the given order, with mean colours and names. `planes` are those of
+/// the photograph reduced by `factor`, as `map` is.
 fn assembled(
     map: &LabelMap,
     order: &[usize],
     planes: &[Plane; 3],
-    size: [usize; 2],
+    image: &RgbImage,
     factor: usize,
 ) -> LayerMap {
-    let mut rank = vec![0; order.len()];
+    let count = order.len();
+    let mut rank = vec![0; count];
     order.iter().enumerate().for_each(|(new, &old)| rank[old] = new as u32);
     let labels = map.labels.iter().map(|&l| rank[l as usize]).collect();
     let map = LabelMap { labels, ..*map };
-    let colours: Vec<Colour> = means(&map, order.len(), planes).into_iter().map(Colour::from_oklab).collect();
-    LayerMap { labels: enlarged(&map, order.len(), size, factor), layers: named(&colours) }
+    let size = [image.width() as usize, image.height() as usize];
+    let labels = refined(&enlarged(&map, count, size, factor), count, image, LIGHTNESS);
+    let colours = means(&subsampled(&labels, factor, planes[0].size), count, planes);
+    let colours: Vec<Colour> = colours.into_iter().map(Colour::from_oklab).collect();
+    LayerMap { labels, layers: named(&colours) }
 }
 
 /// The mean colour of each layer, in Oklab.

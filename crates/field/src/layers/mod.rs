@@ -12,6 +12,7 @@
 
 mod boundary;
 mod carried;
+mod carrier;
 mod clean;
 mod continuous;
 mod extent;
@@ -22,12 +23,14 @@ mod optimised;
 mod order;
 mod outlines;
 mod picture;
+mod refine;
 mod regions;
 mod terrain;
 mod whole_elements;
 
 pub use boundary::shape_distance;
 pub use carried::LayerExemplar;
+pub use carrier::Carrier;
 pub use continuous::{continuous, discrete};
 pub use find::{Count, Decision, FindParams, FoundLayers, find};
 pub use map::{Contacts, LayerMap, LayerRegion, MOST_LAYERS, MapLayer};

@@ -4,7 +4,8 @@
 //! and a layer by rank. Coarse and fine parts are blended separately, and the result is matched to the
 //! histogram of the original.
 
-use super::carried::{CELLS, Carrier, deviation};
+use super::carried::{CELLS, deviation};
+use super::carrier::{Carrier, pixel_of};
 use crate::correspondence::{CHANNELS, CanvasRequest, ExemplarPage, find};
 use image::DynamicImage;
 use vtex_base::error::{Error, Result};
@@ -116,7 +117,8 @@ impl Terrain {
         let own = Plane { size: self.size, values: self.heights.clone() };
         let coarse = own.blurred(1.5 * cell as f32, [false; 2]);
         let fine: Vec<f32> = own.values.iter().zip(&coarse.values).map(|(a, b)| a - b).collect();
-        let carrier = Carrier { field: &field, exemplar: self.size, cell, canvas: size };
+        let pixel = pixel_of(self.size);
+        let carrier = Carrier::filling(&field, cell, size, &pixel);
         // Wide blending keeps slopes continuous across islands; narrow blending keeps the contrast of grain.
         let low = carrier.voted(&[coarse.values], size, 2, 1.25).swap_remove(0);
         let high = carrier.voted(&[fine], size, 1, 0.5).swap_remove(0);

@@ -1,9 +1,7 @@
 //! Layer maps whose borders go around elements.
 
-use super::carried::LayerExemplar;
 use super::map::LayerMap;
-use super::optimised::{on_canvas, regions_of};
-use vtex_base::error::Result;
+use vtex_base::geometry::{Interior, Outline};
 use vtex_base::raster::LabelMap;
 
 /// Least share of a layer that elements leave free. In photographs of layers it was .4 or more, in one of flowers .24.
@@ -30,6 +28,22 @@ impl LayerMap {
         // Ties go to the lowest.
         let most = |own: &[u32]| (0..layers).rev().max_by_key(|&k| own[k]).unwrap_or(0) as u8;
         areas.chunks(layers).map(most).collect()
+    }
+
+    /// The layer that holds most pixels within an outline; of equals the highest. `None` if there is no pixel within.
+    pub fn layer_within(&self, outline: &Outline) -> Option<u8> {
+        let [w, h] = self.size();
+        let (bounds, interior) = (outline.bounds(), Interior::new(outline));
+        let mut areas = vec![0usize; self.layers.len()];
+        for y in bounds.y0.max(0.0) as usize..(libm::ceil(bounds.y1.max(0.0)) as usize).min(h) {
+            for [a, b] in interior.intervals(y as f64 + 0.5) {
+                let [x0, x1] = [a, b].map(|x| libm::ceil(x - 0.5).clamp(0.0, w as f64) as usize);
+                let row = &self.labels.labels[y * w..][x0..x1.max(x0)];
+                row.iter().for_each(|&layer| areas[layer as usize] += 1);
+            }
+        }
+        let most = (0..areas.len()).max_by_key(|&k| areas[k]).filter(|&k| areas[k] > 0);
+        most.map(|k| k as u8)
     }
 
     /// The map with each element in one layer. `elements` gives the layer of the element at a pixel, or
@@ -64,26 +78,24 @@ impl LayerMap {
     }
 }
 
-impl LayerExemplar<'_> {
-    /// Makes a new map of `size` pixels from the labels of coarse cells, smooth and with the areas of the
-    /// exemplar. The map repeats along the axes of `wrap`.
-    ///
-    /// # Errors
-    /// [`vtex_base::Error::Control`] if the exemplar's map has one layer.
-    pub fn smoothed_cells(&self, cells: &LabelMap, size: [usize; 2], wrap: [bool; 2]) -> Result<LayerMap> {
-        self.check()?;
-        let count = self.map.layers.len();
-        let grid = [cells.width as usize, cells.height as usize];
-        let depths = on_canvas(&regions_of(cells, count, grid, wrap), size, wrap);
-        Ok(self.map.with(depths.labels(&self.map.shares(), self.most_distant(), self.speck())))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::layers::MapLayer;
+    use vtex_base::geometry::parse_path;
     use vtex_base::raster::colour::Colour;
+
+    #[test]
+    fn an_outline_lies_in_the_layer_of_most_of_its_pixels() {
+        let layer = |name: &str| MapLayer { name: name.into(), colour: Colour([name.len() as u8; 3]) };
+        let labels =
+            LabelMap { labels: (0..100).map(|i| i % 10 / 5).collect(), ..LabelMap::filled(10, 10, 0) };
+        let map = LayerMap { labels, layers: ["low", "higher"].map(layer).to_vec() };
+        let within = |text: &str| map.layer_within(&Outline::new(&parse_path(text).unwrap()).unwrap());
+        let found =
+            ["M1 1h6v3h-6z", "M3 1h6v3h-6z", "M2 2h6v3h-6z", "M8.6 1h.3v9h-.3z", "M-9 1h4v4h-4z"].map(within);
+        assert_eq!(found, [Some(0), Some(1), Some(1), None, None]);
+    }
 
     #[test]
     fn what_elements_cover_is_no_layer() {

@@ -47,6 +47,7 @@ use vtex_base::raster::picture::label_colour;
 use vtex_base::raster::{LabelMap, Mask};
 use vtex_base::sampling::stream;
 use vtex_field::correspondence::{CanvasRequest, CorrespondenceField, Islands, find};
+use vtex_field::layers::{Carrier, LayerExemplar, LayerMap};
 use vtex_scene::lattice::{Lattice, Phases};
 use vtex_scene::library::Library;
 use vtex_scene::scene::{Edge, LatticeChoice, SynthParams};
@@ -250,24 +251,31 @@ impl Correspondence {
         (sheet.library, place.map(|v| f64::from(v) + 0.5))
     }
 
-    /// The labels of the exemplar's pixels where the cells of the canvas come from. `labels` are those of the
-    /// only library.
-    pub(crate) fn labels_of_cells(
+    /// A layer map of the canvas, of the layers of the only library's exemplar.
+    ///
+    /// # Errors
+    /// As [`LayerExemplar::along`].
+    pub(crate) fn layer_map(
         &self,
         model: &PlacementModel,
-        labels: &LabelMap,
+        exemplar: &LayerMap,
         canvas: [u32; 2],
-    ) -> LabelMap {
-        let [width, height] = canvas.map(|v| v.div_ceil(self.pages.cell as u32));
-        let mut cells = LabelMap::filled(width, height, 0);
-        for y in 0..height {
-            for x in 0..width {
-                let middle = [x, y].map(|v| f64::from(v as i32 * self.pages.cell + self.pages.cell / 2));
-                let (_, place) = self.origin(model, middle);
-                cells.set(x, y, labels.at(place[0] as i64, place[1] as i64).unwrap_or(0));
-            }
-        }
-        cells
+    ) -> Result<LayerMap> {
+        let width = exemplar.size()[0];
+        let pixel = |page: usize, at: [i64; 2]| {
+            let sheet = &self.pages.sheets[page];
+            let [x, y] = sheet.exemplar(model, at.map(|v| v as i32))?;
+            Some(y as usize * width + x as usize)
+        };
+        let carrier = Carrier {
+            field: &self.field,
+            cell: self.pages.cell as usize,
+            pitch: [f64::from(self.pages.cell); 2],
+            margin: self.margin.map(|v| v as usize),
+            canvas: canvas.map(|v| v as usize),
+            pixel: &pixel,
+        };
+        LayerExemplar { map: exemplar, photograph: None }.along(&carrier)
     }
 
     /// The guides' colours where the field points.
