@@ -108,6 +108,7 @@ DEFAULTS = [
     (vtex.Flatten(), "flatten"),
     (vtex.Simplify(1), "simplify 1"),
     (vtex.Outline(1.5, "#202020"), "outline 1.5 #202020"),
+    (vtex.Hatch(spacing=5), "hatch --spacing 5"),
     (vtex.Move(20, -5, where="x<100"), "move 20 -5 --where x<100"),
     (vtex.Scale(1.3, layer="primary"), "scale 1.3 --layer primary"),
     (vtex.Rotate(90), "rotate 90"),

@@ -45,9 +45,9 @@ use vtex_base::document::Document as _;
 use vtex_base::error::Result;
 use vtex_base::parallel;
 use vtex_base::progress::{Progress, SideBySide, advance};
+use vtex_base::raster::Mask;
 use vtex_base::raster::blur::gaussian;
 use vtex_base::raster::picture::outlines;
-use vtex_base::raster::Mask;
 use vtex_scene::library::{
     Arrangement, Category, CategoryId, ExemplarElement, Guide, Library, Source, SourceKind,
 };

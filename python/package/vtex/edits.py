@@ -359,6 +359,44 @@ class Outline(Edit):
 
 
 @dataclass(frozen=True, eq=False)
+class Hatch(Edit):
+    """Draw each element in ink: an outline on paper, and hatching that is the denser the darker it is.
+
+    Dark spots become dots.
+
+    Parameters
+    ----------
+    spacing : float, default 4.0
+        Distance of the lines of the lightest tone, 0.5 to 1000 pixels; darker ones have them closer, then crossed.
+    angle : float, default -45.0
+        Their direction, -360 to 360 degrees clockwise from the right.
+    width : float, default 0.7
+        Their width, and that of outlines, 0.01 to 1000 pixels.
+    colour : colour, default "#202020"
+        The ink.
+    paper : colour, default "white"
+        The paper, within outlines.
+    """
+
+    spacing: float = 4.0
+    angle: float = -45.0
+    width: float = 0.7
+    colour: Colour = "#202020"
+    paper: Colour = "white"
+
+    _word: ClassVar[str] = "hatch"
+
+    def _action(self, files: _Files) -> dict[str, Any]:
+        return {
+            "spacing": self.spacing,
+            "angle": self.angle,
+            "width": self.width,
+            "colour": _colour(self.colour, "colour"),
+            "paper": _colour(self.paper, "paper"),
+        }
+
+
+@dataclass(frozen=True, eq=False)
 class Replace(Edit):
     """Replace each element by the one of another library whose shape fits best.
 

@@ -55,6 +55,16 @@ fn texts_mean_operations() {
         ("flatten", Action::Flatten),
         ("simplify 1", Action::Simplify { tolerance: 1.0 }),
         ("outline 1.5 #202020", Action::Outline { width: 1.5, colour: colour("#202020") }),
+        (
+            "hatch --spacing 5 --paper #fed",
+            Action::Hatch {
+                spacing: 5.0,
+                angle: -45.0,
+                width: 0.7,
+                colour: colour("#202020"),
+                paper: colour("#fed"),
+            },
+        ),
         ("replace b.lib.json", Action::Replace { library: "b.lib.json".into() }),
         ("move 20 -5", Action::Move { x: 20.0, y: -5.0 }),
         ("scale 1.3", Action::Scale { factor: 1.3.into() }),

@@ -120,6 +120,26 @@ pub(super) enum Verb {
         #[arg(value_name = "COLOUR", value_parser = colour)]
         colour: Colour,
     },
+    /// Draw each element in ink: an outline on paper, and hatching that is the denser the darker it is; dark spots
+    /// become dots.
+    #[command(after_help = "hatch --spacing 5 --width 0.8 --layer primary")]
+    Hatch {
+        /// distance of the lines of the lightest tone; darker ones have them closer, then crossed
+        #[arg(long, number = Action::HATCH_SPACING, default_value_t = Action::HATCH_SPACING.default())]
+        spacing: f64,
+        /// their direction, clockwise from the right
+        #[arg(long, number = Action::HATCH_ANGLE, default_value_t = Action::HATCH_ANGLE.default())]
+        angle: f64,
+        /// their width, and that of outlines
+        #[arg(long, number = Action::HATCH_WIDTH, default_value_t = Action::HATCH_WIDTH.default())]
+        width: f64,
+        /// the ink [#rrggbb, #rgb or a name of CSS]
+        #[arg(long, value_parser = colour, default_value = "#202020")]
+        color: Colour,
+        /// the paper, within outlines [#rrggbb, #rgb or a name of CSS]
+        #[arg(long, value_parser = colour, default_value = "white")]
+        paper: Colour,
+    },
     /// Replace each element by the one of another library whose shape fits best; it takes its place, size
     /// and direction.
     #[command(after_help = "replace other.lib.json --layer primary")]
@@ -343,6 +363,9 @@ impl Verb {
             Self::Flatten => Action::Flatten,
             Self::Simplify { tolerance } => Action::Simplify { tolerance },
             Self::Outline { width, colour } => Action::Outline { width, colour },
+            Self::Hatch { spacing, angle, width, color, paper } => {
+                Action::Hatch { spacing, angle, width, colour: color, paper }
+            }
             Self::Replace { library } => Action::Replace { library },
             Self::Move { x, y } => Action::Move { x, y },
             Self::Scale { factor } => Action::Scale { factor },

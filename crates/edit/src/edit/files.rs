@@ -78,6 +78,7 @@ impl Files {
                 | Action::Flatten
                 | Action::Simplify { .. }
                 | Action::Outline { .. }
+                | Action::Hatch { .. }
                 | Action::Move { .. }
                 | Action::Scale { .. }
                 | Action::Rotate { .. }

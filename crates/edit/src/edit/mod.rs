@@ -12,6 +12,7 @@ mod colours;
 mod composing_tests;
 mod files;
 mod groups;
+mod hatch;
 mod jitter;
 mod order;
 mod paint_order;
@@ -38,6 +39,7 @@ pub use vtex_scene::scene::{
 };
 
 use amount::{Amount, ColourByPlace};
+use hatch::Pen;
 use propagate::Propagated;
 use relax::Relaxing;
 use selection::Chosen;
@@ -198,6 +200,10 @@ fn act(
             style::shadow(scene, chosen, *angle, *length, *opacity, *blur);
         }
         Action::Outline { width, colour } => style::outline(scene, chosen, *width, *colour),
+        Action::Hatch { spacing, angle, width, colour, paper } => {
+            let (angle, ink, paper) = (angle.to_radians(), *colour, *paper);
+            hatch::hatch(scene, chosen, Pen { spacing: *spacing, angle, width: *width, ink, paper });
+        }
         Action::Flatten => style::flatten(scene, chosen),
         Action::Simplify { tolerance } => style::simplify(scene, chosen, *tolerance),
         Action::Replace { library } => {

@@ -390,6 +390,43 @@ fn flat_and_simple_textons_are_less() {
 }
 
 #[test]
+fn ink_drawings_keep_ids_and_places_and_leave_light_spots_out() {
+    let hatch = |spacing| Action::Hatch {
+        spacing,
+        angle: -45.0,
+        width: 0.7,
+        colour: Colour([0; 3]),
+        paper: Colour([255; 3]),
+    };
+    let drawn = one(on("primary", hatch(4.0)));
+    let ids = |scene: &Scene| scene.primary().iter().map(|i| (i.id, i.transform)).collect::<Vec<_>>();
+    assert_eq!(ids(&drawn), ids(&scene()));
+    assert_eq!(drawn.secondary(), scene().secondary());
+    let is_ink = |c: Colour| c == Colour([0; 3]) || c == Colour([255; 3]);
+    for instance in drawn.primary() {
+        let element = &drawn.elements[instance.element.index()];
+        assert!(instance.colour.is_none() && element.shapes.len() >= 2);
+        assert!(element.shapes.iter().all(|shape| is_ink(shape.colour)), "{element:?}");
+    }
+    // Of two kinds of spots the dark ones become dots.
+    let mut spots = scene();
+    let second = spots.secondary()[0].element;
+    for (i, element) in spots.elements.iter_mut().enumerate().filter(|(_, e)| e.category.is_none()) {
+        let around = Outline::along(&element.outline().polygons(0.1), 0.1).unwrap();
+        let tone = if i == second.index() { 10 } else { 240 };
+        let soft = Shape::soft_along(&around, Colour([tone; 3]), Profile::Soft).unwrap();
+        *element = element.with_shapes(vec![soft]);
+    }
+    let dots = edited(&spots, &[on("secondary", hatch(4.0))]).0;
+    let dark = spots.secondary().iter().filter(|i| i.element == second).count();
+    assert_eq!(dots.secondary().len(), dark);
+    assert!(dots.secondary().iter().all(|i| !dots.elements[i.element.index()].base().is_soft()));
+    for wrong in [0.4, f64::NAN, 1e9] {
+        assert!(apply(scene(), &[hatch(wrong).into()], &Files::default(), None).is_err(), "{wrong}");
+    }
+}
+
+#[test]
 fn too_far_is_an_error_and_nothing_to_do_is_none() {
     let far: Vec<Operation> = vec![Action::Move { x: 1e6, y: 0.0 }.into(); 12];
     let plain = Scene { tile: Tile::default(), ..scene() };

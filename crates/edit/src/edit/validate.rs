@@ -56,6 +56,9 @@ fn ranges(action: &Action) -> Result<(), EditFault> {
             .and(within(A::BLUR, blur)),
         A::Simplify { tolerance } => within(A::TOLERANCE, tolerance),
         A::Outline { width, .. } => within(A::WIDTH, width),
+        A::Hatch { spacing, angle, width, .. } => within(A::HATCH_SPACING, spacing)
+            .and(within(A::HATCH_ANGLE, angle))
+            .and(within(A::HATCH_WIDTH, width)),
         A::Move { x, y } => within(A::X, x).and(within(A::Y, y)),
         A::Scale { factor: NumberOrMap::Number(factor) } => within(A::FACTOR, factor),
         A::Rotate { angle: NumberOrMap::Number(angle) } => within(A::DEGREES, angle),

@@ -181,16 +181,16 @@ mod tests {
         for (count, seed) in [(2u8, 1), (3, 2), (4, 3)] {
             let map = layered(nested([160, 140], usize::from(count), seed), count);
             let exemplar = LayerExemplar { map: &map, photograph: None };
-            let made = exemplar.carried([320, 280], [false; 2], seed, &()).unwrap();
-            assert_eq!(made.size(), [320, 280]);
+            let made = exemplar.carried([240, 210], [false; 2], seed, &()).unwrap();
+            assert_eq!(made.size(), [240, 210]);
             for (own, theirs) in made.shares().iter().zip(map.shares()) {
                 assert!((own - theirs).abs() < 1e-3, "{:?} {:?}", made.shares(), map.shares());
             }
             let distant = Contacts::new(&made.labels, usize::from(count), [false; 2]).distant();
             assert!(distant <= exemplar.most_distant(), "{distant}");
-            let same = exemplar.carried([320, 280], [false; 2], seed, &()).unwrap();
+            let same = exemplar.carried([240, 210], [false; 2], seed, &()).unwrap();
             assert_eq!(same, made);
-            assert_ne!(exemplar.carried([320, 280], [false; 2], seed + 9, &()).unwrap(), made);
+            assert_ne!(exemplar.carried([240, 210], [false; 2], seed + 9, &()).unwrap(), made);
         }
     }
 

@@ -129,7 +129,7 @@ mod tests {
             pixel: &pixel,
         };
         let plane: Vec<f32> = (0..300).map(|i| (i % 20) as f32).collect();
-        let copied = carrier.voted(&[plane], [20, 15], 1, 0.01).swap_remove(0);
+        let copied = carrier.voted(&[plane], [20, 15], 0, 1.0).swap_remove(0);
         // Away from the cell where the exemplar ends.
         assert_eq!(copied[..14], (5..19).map(|v| v as f32).collect::<Vec<_>>());
     }

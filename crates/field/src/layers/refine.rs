@@ -6,12 +6,10 @@
 //! to its layer: single spots within another layer are elements, not layers.
 
 use super::clean::without_specks;
-use super::map::LayerRegion;
-use super::regions::depth;
 use image::RgbImage;
 use vtex_base::parallel;
 use vtex_base::raster::blur::{Plane, oklab_planes};
-use vtex_base::raster::{Connectivity, LabelMap, components};
+use vtex_base::raster::{Connectivity, LabelMap, components, squared_distance};
 
 /// Half the width of the band, as a share of the shorter side: twice the blur with which borders were found.
 const BAND: f32 = 1.0 / 64.0;
@@ -39,17 +37,13 @@ pub(super) fn refined(map: &LabelMap, count: usize, image: &RgbImage, lightness:
     }
     let planes = oklab_planes(image, 1).map(|plane| plane.blurred(BLURS[0], [false; 2]));
     let colours = LayerColours::new(map, count, &planes, lightness, band);
-    let depths: Vec<Vec<f32>> = (0..count).map(|k| depth(&only(map, k as u32))).collect();
+    let distances = distances(map, count);
     let mut evidence = vec![0f32; map.labels.len() * count];
     parallel::for_chunks(&mut evidence, size[0] * count, |y, row| {
         for (x, out) in row.chunks_mut(count).enumerate() {
             let i = y * size[0] + x;
-            colours.costs(
-                [x, y],
-                planes.each_ref().map(|plane| plane.values[i]),
-                |k| depths[k][i] > -band,
-                out,
-            );
+            let colour = planes.each_ref().map(|plane| plane.values[i]);
+            colours.costs([x, y], colour, |k| distances[k][i] < band, out);
         }
     });
     let costs: Vec<Plane> = (0..count)
@@ -59,20 +53,28 @@ pub(super) fn refined(map: &LabelMap, count: usize, image: &RgbImage, lightness:
         })
         .collect();
     let label = |i: usize| {
-        let near = |k: &usize| depths[*k][i] > -band;
-        let cost = |k: usize| costs[k].values[i] - NEARNESS * (depths[k][i] / band).clamp(-1.0, 1.0);
-        let best = (0..count).filter(near).min_by(|&a, &b| cost(a).total_cmp(&cost(b)));
-        best.map_or(map.labels[i], |k| k as u32)
+        let own = map.labels[i] as usize;
+        let to_others = (0..count).filter(|&k| k != own).map(|k| distances[k][i]).fold(band, f32::min);
+        let cost = |k: usize| {
+            let depth = if k == own { to_others } else { -distances[k][i] };
+            costs[k].values[i] - NEARNESS * depth / band
+        };
+        let near = (0..count).filter(|&k| distances[k][i] < band);
+        near.min_by(|&a, &b| cost(a).total_cmp(&cost(b))).unwrap_or(own) as u32
     };
     let wanted = LabelMap { labels: (0..map.labels.len()).map(label).collect(), ..*map };
     let least = libm::ceil(SPECK * (shorter * shorter) as f64) as usize;
     without_specks(joined(map, wanted), count, least, [false; 2])
 }
 
-/// The pixels of one label.
-fn only(map: &LabelMap, label: u32) -> LayerRegion {
-    let inside = map.labels.iter().map(|&l| l == label).collect();
-    LayerRegion { size: [map.width as usize, map.height as usize], wrap: [false; 2], inside }
+/// The distance of each pixel from the border of each label, in pixels; 0 or less within it.
+fn distances(map: &LabelMap, count: usize) -> Vec<Vec<f32>> {
+    let labels: Vec<u32> = (0..count as u32).collect();
+    parallel::map(&labels, |&label| {
+        let squares = squared_distance(map.width as usize, map.height as usize, |i| map.labels[i] == label);
+        // Borders lie half a pixel from the centres of adjacent pixels.
+        squares.into_iter().map(|square| libm::sqrtf(square) - 0.5).collect()
+    })
 }
 
 /// `wanted`, with the labels of `map` where a piece of it has no pixel in common with `map`.

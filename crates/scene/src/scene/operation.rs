@@ -123,6 +123,22 @@ pub enum Action {
         /// Its colour.
         colour: Colour,
     },
+    /// Textons become drawings in ink: an outline on paper, and hatching that is the denser the darker they are.
+    Hatch {
+        /// Distance of the lines of the lightest tone; darker ones have them closer, then crossed.
+        #[cfg_attr(feature = "schema", schemars(transform = Self::HATCH_SPACING.limits()))]
+        spacing: f64,
+        /// Their direction.
+        #[cfg_attr(feature = "schema", schemars(transform = Self::HATCH_ANGLE.limits()))]
+        angle: f64,
+        /// Their width, and that of outlines.
+        #[cfg_attr(feature = "schema", schemars(transform = Self::HATCH_WIDTH.limits()))]
+        width: f64,
+        /// The colour of the ink.
+        colour: Colour,
+        /// The colour of the paper, within outlines.
+        paper: Colour,
+    },
     /// Each texton becomes the one of a library that fits best.
     Replace {
         /// File of the library.
@@ -256,6 +272,9 @@ impl Action {
     pub const BLUR: Parameter<f64> = Parameter::new("blur", [0.0, Shadow::WIDEST], "px").or(5.0);
     pub const TOLERANCE: Parameter<f64> = Parameter::new("px", [0.01, 100.0], "px");
     pub const WIDTH: Parameter<f64> = Parameter::new("width", [0.0, 1000.0], "px");
+    pub const HATCH_SPACING: Parameter<f64> = Parameter::new("spacing", [0.5, 1000.0], "px").or(4.0);
+    pub const HATCH_ANGLE: Parameter<f64> = Parameter::new("angle", [-360.0, 360.0], "degrees").or(-45.0);
+    pub const HATCH_WIDTH: Parameter<f64> = Parameter::new("width", [0.01, 1000.0], "px").or(0.7);
     pub const X: Parameter<f64> = Parameter::new("x", [-1e6, 1e6], "px");
     pub const Y: Parameter<f64> = Parameter::new("y", [-1e6, 1e6], "px");
     pub const FACTOR: Parameter<f64> = Parameter::new("factor", [0.01, 100.0], "");
