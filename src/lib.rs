@@ -148,8 +148,8 @@ pub mod library {
     #[doc(inline)]
     pub use vtex_scene::library::{
         AnalyzeParams, Arrangement, Categories, Category, CategoryId, ElementId, ExemplarElement,
-        ExemplarInstance, ExemplarLayer, Gradient, Grouping, Guide, Lattice, Library, Picture, Role, Shading,
-        Shape, Source, SourceKind, Stratum,
+        ExemplarInstance, ExemplarLayer, Gradient, Grouping, Guide, Lattice, Library, Motif, MotifGrouping,
+        MotifPart, Picture, Role, Shading, Shape, Source, SourceKind, Stratum,
     };
 }
 
