@@ -77,7 +77,7 @@ pub mod edit {
     }
 }
 
-/// Elements: what libraries and scenes are made of, a texton of a photograph or a motif of a drawing.
+/// Elements: what libraries and scenes are made of, a texton of a photograph or a figure of a drawing.
 pub mod element {
     #[doc(inline)]
     pub use vtex_scene::element::{

@@ -65,7 +65,7 @@ pub(super) fn features(
             label: 0,
             is_free: !is_endless[k] && bounds.width() <= largest[0] && bounds.height() <= largest[1],
         };
-        let area = libm::log(moments.area.abs().max(1e-3));
+        let area = libm::log(f64::from(element.area.max(1)));
         // Of very long elements the elongation says little beyond their area.
         let elongation = libm::log(elongation.min(30.0));
         let look = (element.shapes.len(), [area, elongation, element.compactness.unwrap_or(0.0)]);
@@ -75,7 +75,9 @@ pub(super) fn features(
     let label = |(mut own, look): (MotifElement, Look)| {
         let alike = |other: &Look| {
             let near = |k: usize, most: f64| (look.1[k] - other.1[k]).abs() <= most;
-            look.0 == other.0 && near(0, AREA) && near(1, ELONGATION) && near(2, COMPACTNESS)
+            // What a border cuts may have other shapes than what it does not.
+            let same_border = look.0 != other.0 || near(2, COMPACTNESS);
+            near(0, AREA) && near(1, ELONGATION) && same_border
         };
         let known = first.iter().take(MOST_LABELS).position(alike);
         own.label = known.unwrap_or_else(|| {

@@ -14,6 +14,8 @@ const STEP: f64 = 0.5;
 const MOST_PLACES: usize = 64;
 /// Most neighbours of one element, nearest boxes first.
 const MOST_NEIGHBOURS: usize = 12;
+/// Most places looked at around a place: in a crowd, elements beyond are not measured.
+const MOST_LOOKED: usize = 1024;
 /// Elements measured at a time.
 const AT_ONCE: usize = 512;
 
@@ -114,9 +116,11 @@ impl GapSearch<'_> {
         // Least distance of two places, by neighbour.
         let mut near: BTreeMap<(usize, Shift), f64> = BTreeMap::new();
         for p in self.places[own].iter().copied() {
+            let mut left = MOST_LOOKED;
             self.index.each(p, |k| {
                 let b = self.owners[k];
-                if b == a || self.elements[b].layer != self.elements[a].layer {
+                left = left.saturating_sub(1);
+                if left == 0 || b == a || self.elements[b].layer != self.elements[a].layer {
                     return;
                 }
                 let q = self.places[k];

@@ -5,6 +5,7 @@ use super::features::MotifElement;
 use super::kinds::{MotifKind, TOLERANCE};
 use super::layout::{LaidPart, MotifLayout};
 use super::tree::MotifPlane;
+use std::cell::Cell;
 use vtex_base::error::Result;
 use vtex_base::geometry::{NearPoints, Point, rigid_map, shortest_offset};
 
@@ -16,12 +17,17 @@ const DEVIATION: f64 = 1.3;
 /// Most neighbours of an element that are tried as its partner.
 const MOST_PARTNERS: usize = 48;
 
+/// Most elements looked at in all: in a crowd the search ends early.
+const MOST_LOOKED: u64 = 50_000_000;
+
 /// The free elements that belong to no motif, and where they are.
 struct LeftElements<'a> {
     elements: &'a [MotifElement],
     plane: MotifPlane,
     is_taken: &'a mut [bool],
     near: NearPoints,
+    /// Elements that may still be looked at.
+    left: &'a Cell<u64>,
 }
 
 /// Finds further copies of the kinds that `counts` says occur often; marks their elements as taken.
@@ -40,6 +46,7 @@ pub(super) fn further_copies(
     // Those of many parts are found by chance least.
     wanted.sort_by_key(|&k| (std::cmp::Reverse(kinds[k].template.parts.len()), k));
     let mut found = Vec::new();
+    let looks = Cell::new(MOST_LOOKED);
     let places: Vec<Point> = elements.iter().map(|e| e.centre).collect();
     for k in wanted {
         go_on()?;
@@ -53,13 +60,16 @@ pub(super) fn further_copies(
         let tolerance = deviation.min(TOLERANCE * template.extent);
         let axes = [0, 1].map(|axis| plane.periods.map(|p| p[axis]));
         let near = NearPoints::new(&places, axes, 2.0 * template.extent + tolerance);
-        let left = LeftElements { elements, plane, is_taken: &mut *is_taken, near };
+        let left = LeftElements { elements, plane, is_taken: &mut *is_taken, near, left: &looks };
         let (first, second) = template.base();
         for e in 0..elements.len() {
             if left.is_taken[e] || !elements[e].is_free || elements[e].label != template.parts[first].label {
                 continue;
             }
             go_on()?;
+            if looks.get() == 0 {
+                return Ok(found);
+            }
             if let Some(copy) = left.copy_at(e, template, [first, second], tolerance) {
                 copy.parts.iter().for_each(|p| left.is_taken[p.element] = true);
                 found.push((k, copy));
@@ -134,7 +144,8 @@ impl LeftElements<'_> {
         );
         self.near.each(wrapped, |k| {
             let own = &self.elements[k];
-            if self.is_taken[k] || !own.is_free {
+            self.left.set(self.left.get().saturating_sub(1));
+            if self.left.get() == 0 || self.is_taken[k] || !own.is_free {
                 return;
             }
             let place = at + shortest_offset(at, own.centre, axes);
