@@ -57,7 +57,8 @@ impl MotifUnits {
             for part in &motif.parts {
                 let element = part.element.index();
                 is_part[element] = true;
-                parts.push(UnitPart { map: period(library, part.periods), ..placed[element][0] });
+                let place = placed[element][0];
+                parts.push(UnitPart { map: period(library, part.periods) * place.map, ..place });
             }
             units.push((Some(motif), parts));
         }
@@ -114,16 +115,20 @@ impl MotifUnits {
         self.motifs.iter().enumerate().map(similar).collect()
     }
 
-    /// For each unit, the units of the same kind, itself among them; empty for one that is no motif.
-    pub(crate) fn copies(&self) -> Vec<Vec<usize>> {
+    /// The units of each kind of motif, ascending.
+    pub(crate) fn kinds(&self) -> BTreeMap<u32, Vec<usize>> {
         let mut kinds: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
         for (u, motif) in self.motifs.iter().enumerate() {
             if let Some(motif) = motif {
                 kinds.entry(motif.kind).or_default().push(u);
             }
         }
-        let of = |motif: &Option<UnitMotif>| motif.as_ref().map_or(Vec::new(), |m| kinds[&m.kind].clone());
-        self.motifs.iter().map(of).collect()
+        kinds
+    }
+
+    /// The kind of a unit that is a motif.
+    pub(crate) fn kind(&self, unit: usize) -> Option<u32> {
+        self.motifs[unit].as_ref().map(|motif| motif.kind)
     }
 
     /// For each part of a motif, in painting order, the vector from its place to that of its counterpart in

@@ -82,9 +82,9 @@ fn in_pixels(
     if method == Method::Clustered {
         return clustered(&libraries[0], params, controls, progress);
     }
-    if let [library] = libraries
+    if method == Method::Descriptor
+        && let [library] = libraries
         && let Some(units) = MotifUnits::new(library)
-        && method == Method::Descriptor
     {
         let units_alone = std::slice::from_ref(&units.library);
         let (scene, report) = arranged(units_alone, params, controls, progress)?;

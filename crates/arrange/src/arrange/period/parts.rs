@@ -51,22 +51,25 @@ impl TakenApart {
         go_on: impl Fn() -> Result<()>,
     ) -> Result<()> {
         let mut random = stream(seed, "synth/motifs", 0);
-        let copies = units.copies();
-        for w in 0..self.wholes.len() {
+        let kinds = units.kinds();
+        for &(unit, map, first) in &self.wholes {
             go_on()?;
-            let (unit, map, first) = self.wholes[w];
-            let others: Vec<usize> = copies[unit].iter().copied().filter(|&k| k != unit).collect();
-            if !others.is_empty() {
-                let placed = &mut self.placed[first..first + units.parts[unit].len()];
-                let deviations = |random: &mut Stream| -> Vec<Vec2> {
-                    let part = share * random.unit();
-                    let all = units.deviations(unit, others[random.index(others.len())]);
-                    let [a, b, c, d, ..] = map.as_coeffs();
-                    all.iter().map(|v| part * Vec2::new(a * v.x + c * v.y, b * v.x + d * v.y)).collect()
-                };
-                let tried: Vec<Vec<Vec2>> = (0..TRIES).map(|_| deviations(&mut random)).collect();
-                canvas.move_parts(placed, first, &tried);
+            let copies = units.kind(unit).and_then(|kind| kinds.get(&kind)).map_or(&[][..], Vec::as_slice);
+            let Ok(own) = copies.binary_search(&unit) else { continue };
+            if copies.len() < 2 {
+                continue;
             }
+            let [a, b, c, d, ..] = map.as_coeffs();
+            let deviations = |random: &mut Stream| -> Vec<Vec2> {
+                let part = share * random.unit();
+                // Any copy but this one.
+                let other = random.index(copies.len() - 1);
+                let all = units.deviations(unit, copies[other + usize::from(other >= own)]);
+                all.iter().map(|v| part * Vec2::new(a * v.x + c * v.y, b * v.x + d * v.y)).collect()
+            };
+            let tried: Vec<Vec<Vec2>> = (0..TRIES).map(|_| deviations(&mut random)).collect();
+            let parts = first..first + units.parts[unit].len();
+            canvas.move_parts(&mut self.placed[parts], first, &tried);
         }
         Ok(())
     }

@@ -71,22 +71,34 @@ pub(super) fn features(
         let look = (element.shapes.len(), [area, elongation, element.compactness.unwrap_or(0.0)]);
         (own, look)
     });
+    let (mut made, looks): (Vec<MotifElement>, Vec<Look>) = looked.into_iter().unzip();
+    for (element, label) in made.iter_mut().zip(labels(&looks)) {
+        element.label = label;
+    }
+    made
+}
+
+/// How unlike two looks are: more than 1 for elements that are not alike.
+fn difference(a: &Look, b: &Look) -> f64 {
+    let part = |k: usize, most: f64| (a.1[k] - b.1[k]).abs() / most;
+    // What a border cuts may have other shapes than what it does not.
+    let border = if a.0 == b.0 { part(2, COMPACTNESS) } else { 0.0 };
+    part(0, AREA).max(part(1, ELONGATION)).max(border)
+}
+
+/// The label of each look: that of the nearest of the first looks that are unlike each other.
+fn labels(looks: &[Look]) -> Vec<usize> {
     let mut first: Vec<Look> = Vec::new();
-    let label = |(mut own, look): (MotifElement, Look)| {
-        let alike = |other: &Look| {
-            let near = |k: usize, most: f64| (look.1[k] - other.1[k]).abs() <= most;
-            // What a border cuts may have other shapes than what it does not.
-            let same_border = look.0 != other.0 || near(2, COMPACTNESS);
-            near(0, AREA) && near(1, ELONGATION) && same_border
-        };
-        let known = first.iter().take(MOST_LABELS).position(alike);
-        own.label = known.unwrap_or_else(|| {
-            first.push(look);
-            first.len() - 1
-        });
-        own
+    for look in looks {
+        if first.len() < MOST_LABELS && !first.iter().any(|other| difference(look, other) <= 1.0) {
+            first.push(*look);
+        }
+    }
+    let nearest = |look: &Look| {
+        let far = |k: usize| difference(look, &first[k]);
+        (0..first.len()).min_by(|a, b| far(*a).total_cmp(&far(*b))).unwrap_or(0)
     };
-    looked.into_iter().map(label).collect()
+    looks.iter().map(nearest).collect()
 }
 
 /// Polygons of all outlines of an element, thinned to a bounded number of points.

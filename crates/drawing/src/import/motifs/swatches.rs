@@ -313,10 +313,10 @@ pub(super) fn thirty(first_seed: u64) -> Vec<SwatchPlan> {
         SwatchPlan {
             recipes,
             size: [300.0, if k % 4 == 1 { 260.0 } else { 300.0 }],
-            wrap: (k % 2 == 0) != second,
+            wrap: k.is_multiple_of(2) != second,
             turned: [Turned::Anyhow, Turned::Never, Turned::Mirrored][(k + usize::from(second)) % 3],
             jitter: if second { [0.8, 0.08] } else { [0.0; 2] },
-            apart: if k % 3 == 0 { 1.5 } else { 2.0 },
+            apart: if k.is_multiple_of(3) { 1.5 } else { 2.0 },
             seed: first_seed + k as u64,
         }
     };

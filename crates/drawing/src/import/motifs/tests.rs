@@ -96,7 +96,8 @@ fn groups_of_the_author_that_recur_are_motifs() {
         format!("<g>{disc}<path d='M{} {y}h10v10h-10z'/></g>", x + 25)
     };
     let loose = |x: u32, y: u32| format!("<circle cx='{x}' cy='{y}' r='5'/>");
-    let singles: String = [(60, 20), (100, 50), (160, 60), (20, 80), (60, 100)].map(|(x, y)| loose(x, y)).concat();
+    let singles: String =
+        [(60, 20), (100, 50), (160, 60), (20, 80), (60, 100)].map(|(x, y)| loose(x, y)).concat();
     let grouped = page(&(pair(20, 40) + &pair(90, 90) + &pair(40, 150) + &singles));
     let sizes = |svg: &str| read(svg, false, MotifGrouping::Auto, Grouping::Piece).motif_sizes();
     assert_eq!(sizes(&grouped), BTreeMap::from([(2, 3)]));
