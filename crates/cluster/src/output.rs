@@ -114,6 +114,7 @@ fn steps(a: &[f32; BINS], b: &[f32; BINS]) -> u8 {
 
 impl ContextRow<'_> {
     /// The cost of a context of the exemplar, as a length.
+    #[inline]
     pub(crate) fn cost(&self, context: u32) -> f64 {
         let steps = match self {
             Self::Free => 0,

@@ -17,7 +17,7 @@ const LEAST_RATIO: f64 = 1.12;
 /// Ratios that sets need which occur once, twice, and three times or more: of two parts, and of more; in no
 /// order, and in order.
 const NEEDED: [[[f64; 2]; 2]; 3] =
-    [[[3.2, 2.4], [2.9, 1.8]], [[2.6, 2.1], [2.0, 1.5]], [[1.5, 1.5], [1.25, 1.25]]];
+    [[[3.2, 2.4], [2.4, 1.8]], [[2.6, 2.1], [2.0, 1.5]], [[1.5, 1.5], [1.25, 1.25]]];
 /// Share of the elements like its parts that is in copies of a kind, below which more is needed: some are near
 /// each other by chance. For kinds that occur once or twice, and more often.
 const SHARE: [f64; 2] = [0.8, 0.5];
