@@ -421,7 +421,10 @@ mod tests {
 
     #[test]
     fn every_parameter_has_an_option() {
-        assert_eq!(fields(AnalyzeParams::default(), &["seed"]), sorted_keys("analyze", &["segmenter", "group"]));
+        assert_eq!(
+            fields(AnalyzeParams::default(), &["seed"]),
+            sorted_keys("analyze", &["segmenter", "group"])
+        );
         // A variation is stored only if it is given.
         let handled = ["seed", "width", "height", "weights", "variation"];
         let options = sorted_keys("synth", &["size", "weights", "variation"]);

@@ -1,12 +1,13 @@
 //! Drawings whose motifs are placed as single elements, and taken apart afterwards.
 
 use std::collections::BTreeMap;
-use vtex_base::geometry::{Affine, Outline, Point, Vec2, rigid_map};
+use vtex_base::geometry::{Affine, BezPath, Outline, Point, Vec2, rigid_map};
 use vtex_base::raster::LabelMap;
 use vtex_scene::element::{Shape, SimilarTo, bounds};
 use vtex_scene::library::{
     Arrangement, ElementId, ExemplarElement, ExemplarInstance, ExemplarLayer, Library, Motif,
 };
+use vtex_scene::scene::pixels;
 
 /// Differences of residuals below which a motif counts as turned rather than mirrored, in pixels.
 const SAME: f64 = 1e-6;
@@ -102,6 +103,32 @@ impl MotifUnits {
         own
     }
 
+    /// The drawing of units in whose arrangement motifs are without gaps: each also covers what lies between its
+    /// parts, so that nothing else is placed there.
+    pub(crate) fn closed(&self) -> Library {
+        let mut map = self.library.arrangement.to_labels();
+        let size = [map.width as i32, map.height as i32];
+        let periodic = self.library.arrangement.periodic;
+        for (u, _) in self.motifs.iter().enumerate().filter(|(_, motif)| motif.is_some()) {
+            let shapes = &self.library.elements[u].shapes;
+            let points = shapes.iter().flat_map(|s| s.outline.polygons(0.5)).flatten().collect();
+            for (x, y) in convex_hull(points).as_ref().map(pixels::mask).unwrap_or_default().pixels() {
+                let inside = (0..size[0]).contains(&x) && (0..size[1]).contains(&y);
+                if periodic || inside {
+                    let [x, y] = [x.rem_euclid(size[0]) as u32, y.rem_euclid(size[1]) as u32];
+                    if map.get(x, y) == 0 {
+                        map.set(x, y, u as u32 + 1);
+                    }
+                }
+            }
+        }
+        let mut library = self.library.clone();
+        library.arrangement = Arrangement { periodic, ..Arrangement::from_labels(&map) };
+        count_categories(&mut library);
+        library.coverage = library.categories.iter().fold(0.0, |sum, c| sum + c.coverage).min(1.0);
+        library
+    }
+
     /// For each unit that is a motif, the first of its kind and the rigid map from that one; for others, what
     /// `known` says.
     pub(crate) fn similar(&self, known: &[SimilarTo]) -> Vec<SimilarTo> {
@@ -151,6 +178,31 @@ impl UnitMotif {
         let (plain, mirrored) = (of(false), of(true));
         if mirrored.0 + SAME < plain.0 { mirrored.1 } else { plain.1 }
     }
+}
+
+/// The convex hull of points (Andrew's monotone chain); `None` for points on a line.
+fn convex_hull(mut points: Vec<Point>) -> Option<Outline> {
+    points.sort_by(|p, q| p.x.total_cmp(&q.x).then(p.y.total_cmp(&q.y)));
+    let half = |points: &mut dyn Iterator<Item = Point>| {
+        let mut chain: Vec<Point> = Vec::new();
+        for p in points {
+            while let [.., a, b] = chain[..]
+                && (b - a).cross(p - b) <= 0.0
+            {
+                chain.pop();
+            }
+            chain.push(p);
+        }
+        chain.pop();
+        chain
+    };
+    let mut ring = half(&mut points.iter().copied());
+    ring.extend(half(&mut points.iter().rev().copied()));
+    let mut path = BezPath::new();
+    path.move_to(*ring.first()?);
+    ring[1..].iter().for_each(|p| path.line_to(*p));
+    path.close_path();
+    Outline::new(&path).filter(|outline| outline.area() > 0.0)
 }
 
 /// A translation by whole periods of a drawing.

@@ -1,6 +1,7 @@
 //! Drawings arranged by clustered samples ([`vtex_cluster`]): a library becomes its exemplar, the result a scene.
 
 use super::compose::{Placement, What, compose_drawing};
+use super::covered::{MOVED, covered};
 use super::report::{CategoryReport, ClusterReport, SynthReport};
 use crate::arrange::controls::Controls;
 use crate::arrange::motifs::{MotifUnits, UnitPart};
@@ -15,12 +16,7 @@ use vtex_cluster::{
 use vtex_scene::element::{self, SimilarTo};
 use vtex_scene::library::{ElementId, Library, SourceKind};
 use vtex_scene::reconstruct::equal;
-use vtex_scene::scene::{Ablation, LibraryId, Scene, SynthParams, pixels};
-
-/// Largest difference of an angle or a size from that of an equal element, for one that is only moved.
-const MOVED: f64 = 1e-3;
-/// Largest canvas on which covered pixels are counted.
-const MOST_PIXELS: u64 = 100_000_000;
+use vtex_scene::scene::{Ablation, LibraryId, Scene, SynthParams};
 
 /// Whether a library can be arranged: one drawing, without a control that this method does not follow.
 ///
@@ -236,49 +232,6 @@ fn moved_first(known: &[SimilarTo], own: usize) -> (usize, Affine) {
 
 fn colour(colour: Colour) -> [f64; 3] {
     colour.to_oklab().map(f64::from)
-}
-
-/// Share of the canvas that each category visibly covers; that of the exemplar where the canvas is too large to count.
-///
-/// # Errors
-/// Those of `go_on`.
-fn covered(library: &Library, scene: &Scene, go_on: impl Fn() -> Result<()>) -> Result<Vec<f64>> {
-    let [width, height] = [scene.width, scene.height];
-    let pixels = u64::from(width) * u64::from(height);
-    if pixels > MOST_PIXELS {
-        return Ok(library.categories.iter().map(|c| c.coverage).collect());
-    }
-    let masks: Vec<_> = scene.elements.iter().map(|e| pixels::of_shapes(&e.shapes)).collect();
-    let mut cells = vec![0u16; pixels as usize];
-    for instance in scene.instances() {
-        go_on()?;
-        let element = &scene.elements[instance.element.index()];
-        let map = instance.affine();
-        let [a, b, c, d, x, y] = map.as_coeffs();
-        let plain = [a - 1.0, b, c, d - 1.0].iter().all(|v| v.abs() < MOVED);
-        let mask = if plain {
-            masks[instance.element.index()].shifted(libm::round(x) as i32, libm::round(y) as i32)
-        } else {
-            let shapes: Vec<_> = element.shapes.iter().map(|s| s.moved(map)).collect();
-            pixels::of_shapes(&shapes)
-        };
-        let value = element.category.map_or(0, |c| c.index() as u16 + 1);
-        for by in scene.copies(map.transform_rect_bbox(element.bounds())) {
-            let (dx, dy) = (libm::round(by.x) as i32, libm::round(by.y) as i32);
-            for span in mask.spans() {
-                let (row, x0, x1) = (span.y + dy, (span.x0 + dx).max(0), (span.x1 + dx).min(width as i32));
-                if (0..height as i32).contains(&row) && x0 < x1 {
-                    let start = row as usize * width as usize;
-                    cells[start + x0 as usize..start + x1 as usize].fill(value);
-                }
-            }
-        }
-    }
-    let mut counts = vec![0u64; library.categories.len() + 1];
-    for cell in cells {
-        counts[usize::from(cell)] += 1;
-    }
-    Ok(counts[1..].iter().map(|n| *n as f64 / pixels as f64).collect())
 }
 
 #[cfg(test)]

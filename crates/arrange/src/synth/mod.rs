@@ -10,6 +10,7 @@ mod canvas_parts;
 #[cfg(feature = "clustered")]
 mod clustered;
 pub(crate) mod compose;
+mod covered;
 #[cfg(test)]
 mod motif_tests;
 mod neighbourhoods;
@@ -86,11 +87,11 @@ fn in_pixels(
         && let [library] = libraries
         && let Some(units) = MotifUnits::new(library)
     {
-        let units_alone = std::slice::from_ref(&units.library);
-        let (scene, report) = arranged(units_alone, params, controls, progress)?;
-        return Ok(taken_apart::taken_apart(&units, library, scene, report));
+        let params = &keeping_apart(libraries, params);
+        let (scene, report) = arranged(&[units.closed()], params, controls, progress)?;
+        return taken_apart::taken_apart(&units, library, (scene, report), progress);
     }
-    arranged(libraries, params, controls, progress)
+    arranged(libraries, &keeping_apart(libraries, params), controls, progress)
 }
 
 /// A texture of elements placed one by one, by correspondences or descriptors.
@@ -101,7 +102,6 @@ fn arranged(
     progress: &dyn Progress,
 ) -> Result<(Scene, SynthReport)> {
     let method = params.method;
-    let params = &keeping_apart(libraries, params);
     let mut model = PlacementModel::new(libraries, params);
     let task = PlacementTask { libraries, controls, params, method, fixed: Vec::new() };
     let arrangement = arrange(&mut model, &task, progress)?;

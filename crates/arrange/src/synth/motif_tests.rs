@@ -104,6 +104,34 @@ fn pairs_stay_together_whatever_the_method() {
 }
 
 #[test]
+fn nothing_is_placed_between_the_parts_of_a_motif() {
+    let library = pairs();
+    let scene = made(&library, Method::Descriptor, 1.0);
+    let size = [scene.width, scene.height].map(f64::from);
+    let periods = size.map(Some);
+    let boxes: Vec<_> = scene
+        .individuals()
+        .map(|i| {
+            (
+                scene.element(i).source.unwrap().index(),
+                i.affine().transform_rect_bbox(scene.element(i).bounds()),
+            )
+        })
+        .collect();
+    let squares = boxes.iter().filter(|(k, _)| *k >= 2 * PAIRS);
+    for (_, square) in squares {
+        for (k, bar) in boxes.iter().filter(|(k, _)| *k < 2 * PAIRS && k % 2 == 0) {
+            // The hull of the pair reaches from the first bar over the gap to the second.
+            let between =
+                vtex_base::geometry::Rect::new(0.0, bar.height(), bar.width(), f64::from(apart(k / 2)));
+            let by = shortest_offset(bar.origin(), square.origin(), periods);
+            let own = square.size().to_rect() + by;
+            assert!(own.intersect(between).area() < 1.0, "{square:?} {bar:?}");
+        }
+    }
+}
+
+#[test]
 fn parts_move_only_where_the_copies_of_the_drawing_differ() {
     let library = pairs();
     let lengths =
