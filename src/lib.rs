@@ -77,7 +77,7 @@ pub mod edit {
     }
 }
 
-/// Elements: what libraries and scenes are made of, a texton of a photograph or a motif of a drawing.
+/// Elements: what libraries and scenes are made of, a texton of a photograph or a figure of a drawing.
 pub mod element {
     #[doc(inline)]
     pub use vtex_scene::element::{
@@ -148,8 +148,8 @@ pub mod library {
     #[doc(inline)]
     pub use vtex_scene::library::{
         AnalyzeParams, Arrangement, Categories, Category, CategoryId, ElementId, ExemplarElement,
-        ExemplarInstance, ExemplarLayer, Gradient, Grouping, Guide, Lattice, Library, Picture, Role, Shading,
-        Shape, Source, SourceKind, Stratum,
+        ExemplarInstance, ExemplarLayer, Gradient, Grouping, Guide, Lattice, Library, Motif, MotifGrouping,
+        MotifPart, Picture, Role, Shading, Shape, Source, SourceKind, Stratum,
     };
 }
 

@@ -168,6 +168,15 @@ def test_drawings_are_exemplars_too():
         assert whole.width % library.width == 0 and whole.height % library.height == 0
 
 
+def test_motifs_of_drawings_are_found():
+    places = [(20, 30), (120, 60), (60, 140)]
+    bar = '<path d="M{} {}h24v4h-24z"/>'
+    pairs = "".join(bar.format(x, y) + bar.format(x, y + 12) for x, y in places)
+    text = f'<svg xmlns="http://www.w3.org/2000/svg" width="200" height="200">{pairs}</svg>'
+    assert [len(motif["parts"]) for motif in vtex.analyze(text).to_dict()["motifs"]] == [2, 2, 2]
+    assert "motifs" not in vtex.analyze(text, group="none").to_dict()
+
+
 def test_several_libraries_share_a_canvas(library, pixels):
     dark = vtex.analyze((pixels // 3).astype(np.uint8), name="dark", segmenter="regions")
     ramp = np.zeros((4, 100))

@@ -311,6 +311,8 @@ impl Parameters {
                 let mut t = table(Table::try_from(&AnalyzeParams { seed: 0, ..self.analyze.clone() }));
                 t.insert("segmenter".into(), Value::try_from(self.segmenter).expect("a name"));
                 t.insert("wrap".into(), Value::try_from(self.wrap).expect("a word"));
+                // Libraries do not store the default.
+                t.insert("group".into(), Value::try_from(self.analyze.group).expect("a word"));
                 t
             }
             "synth" => {
@@ -419,7 +421,10 @@ mod tests {
 
     #[test]
     fn every_parameter_has_an_option() {
-        assert_eq!(fields(AnalyzeParams::default(), &["seed"]), sorted_keys("analyze", &["segmenter"]));
+        assert_eq!(
+            fields(AnalyzeParams::default(), &["seed"]),
+            sorted_keys("analyze", &["segmenter", "group"])
+        );
         // A variation is stored only if it is given.
         let handled = ["seed", "width", "height", "weights", "variation"];
         let options = sorted_keys("synth", &["size", "weights", "variation"]);

@@ -52,6 +52,9 @@ pub(crate) struct Summary {
     /// The rows or the lattice of a library.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) lattice: Option<Lattice>,
+    /// The motifs of a drawing's library, by their number of elements.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(crate) motifs: Vec<MotifCount>,
     /// How primaries were placed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) method: Option<Method>,
@@ -109,6 +112,7 @@ impl Summary {
             coverage: None,
             layers: None,
             lattice: None,
+            motifs: Vec::new(),
             method: None,
             structure: None,
             few_whole: None,
@@ -195,6 +199,31 @@ impl ElementCounts {
             categories: categories.len(),
             background: scene.layers.iter().filter_map(|l| l.field.as_ref()).map(|f| f.points.len()).sum(),
         }
+    }
+}
+
+/// Number of the motifs of a number of elements.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub(crate) struct MotifCount {
+    pub(crate) elements: usize,
+    pub(crate) motifs: usize,
+}
+
+impl MotifCount {
+    /// Counts of a library.
+    pub(crate) fn of_library(library: &Library) -> Vec<Self> {
+        let sizes = library.motif_sizes();
+        sizes.into_iter().map(|(elements, motifs)| Self { elements, motifs }).collect()
+    }
+
+    /// Counts in a line, as in "12 motifs of 3 elements"; `None` for no motifs.
+    pub(crate) fn in_words(counts: &[Self]) -> Option<String> {
+        let each = |&Self { elements, motifs }: &Self| {
+            let many = if motifs == 1 { "" } else { "s" };
+            format!("{motifs} motif{many} of {elements} elements")
+        };
+        let each: Vec<String> = counts.iter().map(each).collect();
+        (!each.is_empty()).then(|| each.join(", "))
     }
 }
 
@@ -361,6 +390,9 @@ impl Summary {
         }
         if let Some(lattice) = &self.lattice {
             say(&lattice_text(lattice));
+        }
+        if let Some(motifs) = MotifCount::in_words(&self.motifs) {
+            say(&motifs);
         }
         if let Some(given_up) = &self.given_up {
             say(&format!("given up to make it as small: {}", reductions(given_up)));

@@ -14,7 +14,7 @@ use super::progress::Reporter;
 use super::recipe::of_variant;
 use super::replacing::{self, TextureOrigin};
 use super::summary::{
-    Coverage, ElementCounts, LayersReport, PhotographReduction, Summary, exemplar_of, few_whole,
+    Coverage, ElementCounts, LayersReport, MotifCount, PhotographReduction, Summary, exemplar_of, few_whole,
 };
 use serde_json::Value;
 use vtex::Progress;
@@ -201,6 +201,7 @@ impl FinishedTexture<'_> {
                 exemplar,
             }),
             layers,
+            motifs: library.filter(|_| command == "texture").map_or(Vec::new(), MotifCount::of_library),
             method: Some(report.method),
             few_whole: report.structure.as_ref().zip(library).and_then(|(s, library)| few_whole(s, library)),
             structure: report.structure,

@@ -209,6 +209,7 @@ fn library(
         arrangement: Arrangement { periodic: params.wrap, ..Arrangement::from_labels(&labels) },
         descriptor_half,
         lattice: guide.lattice(false),
+        motifs: Vec::new(),
         guide: Some(guide),
     }
 }

@@ -113,22 +113,26 @@ impl<'a> Board<'a> {
         found
     }
 
+    /// The elements that may clash with one at a place: number, figure, and the way there.
+    fn within_reach(&self, element: BoardElement) -> impl Iterator<Item = (usize, u32, [f64; 2])> + '_ {
+        let figure = self.figure(element.place);
+        let reach = self.relations.reach[figure as usize] + self.largest + self.relations.clearance + 1.0;
+        let near = self.near(element.at, reach).into_iter();
+        near.map(|(id, other, way)| (id, self.figure(other.place), way))
+    }
+
     /// The elements that clash with one at a place, but for `own`, and by how many pixels.
     pub(crate) fn clashes(&self, element: BoardElement, own: Option<usize>) -> Vec<(usize, f64)> {
         let figure = self.figure(element.place);
-        let reach = self.relations.reach[figure as usize] + self.largest + self.relations.clearance + 1.0;
-        let near = self.near(element.at, reach).into_iter().filter(|n| Some(n.0) != own);
-        let clash =
-            near.map(|(id, other, way)| (id, self.relations.clash(figure, self.figure(other.place), way)));
+        let near = self.within_reach(element).filter(|n| Some(n.0) != own);
+        let clash = near.map(|(id, other, way)| (id, self.relations.clash(figure, other, way)));
         clash.filter(|c| c.1 > 0.0).collect()
     }
 
     /// Whether an element would clash with no other.
     pub(crate) fn is_free(&self, element: BoardElement) -> bool {
         let figure = self.figure(element.place);
-        let reach = self.relations.reach[figure as usize] + self.largest + self.relations.clearance + 1.0;
-        let near = self.near(element.at, reach);
-        near.iter().all(|(_, other, way)| self.relations.clash(figure, self.figure(other.place), *way) == 0.0)
+        self.within_reach(element).all(|(_, other, way)| self.relations.clash(figure, other, way) == 0.0)
     }
 
     /// How much nearer an element of the same class is than in the exemplar, 0 to 1.

@@ -10,6 +10,7 @@ pub(crate) const NONE: u32 = u32::MAX;
 /// A problem, and the work space of its solution.
 #[derive(Default)]
 pub(crate) struct DenseAssignment {
+    rows: usize,
     columns: usize,
     /// Costs, row by row.
     costs: Vec<f64>,
@@ -31,6 +32,7 @@ impl DenseAssignment {
     pub(crate) fn begin(&mut self, columns: usize, leave: f64) {
         self.columns = columns;
         self.leave = leave;
+        self.rows = 0;
         self.least = 0.0;
         self.costs.clear();
     }
@@ -39,6 +41,7 @@ impl DenseAssignment {
     /// of all rows so far.
     pub(crate) fn row(&mut self, costs: impl Iterator<Item = f64>) -> f64 {
         let before = self.costs.len();
+        self.rows += 1;
         self.costs.extend(costs);
         let least = self.costs[before..].iter().fold(self.leave, |least, c| least.min(*c));
         self.least += least;
@@ -47,7 +50,7 @@ impl DenseAssignment {
 
     /// Solves the problem and returns the least total.
     pub(crate) fn solve(&mut self) -> f64 {
-        let rows = self.costs.len().checked_div(self.columns).unwrap_or(0);
+        let rows = self.rows;
         self.of_row.clear();
         self.of_row.resize(rows, NONE);
         self.of_column.clear();
@@ -149,7 +152,7 @@ mod tests {
         let mut random = stream(1, "cluster/matching test", 0);
         let mut dense = DenseAssignment::default();
         for case in 0..300u64 {
-            let [rows, columns] = [random.index(12), 1 + random.index(12)];
+            let [rows, columns] = [random.index(12), random.index(13)];
             let leave = 1 + random.below(60) as i64;
             let cost = |random: &mut vtex_base::sampling::Stream| {
                 if random.chance(0.2) { None } else { Some(random.below(50) as i64) }
@@ -172,6 +175,7 @@ mod tests {
             let wanted: i64 = table.iter().zip(&sparse).map(of).sum();
             assert!((total - wanted as f64).abs() < 1e-9, "case {case}: {total} {wanted}");
             assert!(bound <= total + 1e-9);
+            assert_eq!(dense.of_row().len(), rows);
             let mut taken: Vec<u32> = dense.of_row().iter().copied().filter(|c| *c != NONE).collect();
             taken.sort_unstable();
             assert!(taken.windows(2).all(|w| w[0] != w[1]));

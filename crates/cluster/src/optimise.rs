@@ -128,7 +128,7 @@ pub fn cluster(
     check(&own, params, (unit, least))?;
     let scene = own.repeated(least);
     let plane = canvas(&own, params, unit, largest);
-    let relations = PlaceRelations::new(&scene);
+    let relations = PlaceRelations::new(&scene, go_on)?;
     go_on()?;
     let (mut board, first) = first_arrangement(&relations, plane, (own.page, params), go_on)?;
     let mut levels = Vec::new();

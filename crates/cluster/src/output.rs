@@ -1,8 +1,9 @@
 //! The samples of the result, and the contexts of their clusters.
 
-use crate::context::{Context, contexts, difference, shares};
+use crate::context::{BINS, Context, contexts, difference, shares};
 use crate::input::{CONTEXT_WEIGHT, InputSamples};
 use crate::space::PeriodicPlane;
+use vtex_base::error::Result;
 use vtex_base::parallel;
 
 /// Samples in clusters.
@@ -77,57 +78,121 @@ impl OutputSamples {
     }
 }
 
+/// Most costs that are stored, in bytes. Further ones are computed when they are asked for.
+const MOST_STORED: usize = 256 << 20;
+/// Rows of costs computed at a time.
+const ROWS_AT_ONCE: usize = 256;
+
 /// Costs of the differences between contexts of the result and of the exemplar, in steps of [`STEP`].
-pub(crate) struct ContextCosts {
+pub(crate) struct ContextCosts<'a> {
+    input: &'a InputSamples,
     /// The row of each sample.
     row: Vec<u32>,
-    width: usize,
-    table: Vec<u8>,
+    /// The first rows, one cost for each context of the exemplar; none if contexts do not count.
+    stored: Vec<u8>,
+    /// Contexts of the other rows.
+    others: Vec<[f32; BINS]>,
+}
+
+/// The costs of one context of the result.
+#[derive(Clone, Copy)]
+pub(crate) enum ContextRow<'a> {
+    /// Contexts do not count.
+    Free,
+    /// Costs in steps of [`STEP`].
+    Stored(&'a [u8]),
+    /// The context itself, and those of the exemplar.
+    Computed(&'a [f32; BINS], &'a [[f32; BINS]]),
 }
 
 /// A step of stored costs.
 const STEP: f64 = CONTEXT_WEIGHT / 255.0;
 
-impl ContextCosts {
-    pub(crate) fn new(output: &OutputSamples, input: &InputSamples) -> Self {
+fn steps(a: &[f32; BINS], b: &[f32; BINS]) -> u8 {
+    (255.0 * difference(a, b) + 0.5) as u8
+}
+
+impl ContextRow<'_> {
+    /// The cost of a context of the exemplar, as a length.
+    #[inline]
+    pub(crate) fn cost(&self, context: u32) -> f64 {
+        let steps = match self {
+            Self::Free => 0,
+            Self::Stored(row) => row[context as usize],
+            Self::Computed(own, all) => steps(own, &all[context as usize]),
+        };
+        f64::from(steps) * STEP
+    }
+}
+
+impl<'a> ContextCosts<'a> {
+    /// The costs of all samples. `go_on` is asked in between.
+    ///
+    /// # Errors
+    /// Those of `go_on`.
+    pub(crate) fn new(
+        output: &OutputSamples,
+        input: &'a InputSamples,
+        go_on: &dyn Fn() -> Result<()>,
+    ) -> Result<Self> {
+        Self::within(output, input, MOST_STORED, go_on)
+    }
+
+    /// [`ContextCosts::new`], with at most `most` stored costs.
+    pub(crate) fn within(
+        output: &OutputSamples,
+        input: &'a InputSamples,
+        most: usize,
+        go_on: &dyn Fn() -> Result<()>,
+    ) -> Result<Self> {
+        let mut costs = Self { input, row: vec![0; output.len()], stored: Vec::new(), others: Vec::new() };
         if input.without_context {
-            let width = input.contexts.len();
-            return Self { row: vec![0; output.len()], width, table: vec![0; width] };
+            return Ok(costs);
         }
         let members = output.members();
-        let own = parallel::map(&members, |members| contexts(&output.unwrapped(members), input.unit));
         let mut of_sample: Vec<(Context, u32)> = Vec::with_capacity(output.len());
-        for (members, own) in members.iter().zip(own) {
-            of_sample.extend(own.into_iter().zip(members.iter().copied()));
+        for members in members.chunks(ROWS_AT_ONCE) {
+            go_on()?;
+            let own = parallel::map(members, |members| contexts(&output.unwrapped(members), input.unit));
+            for (members, own) in members.iter().zip(own) {
+                of_sample.extend(own.into_iter().zip(members.iter().copied()));
+            }
         }
         of_sample.sort_unstable();
-        let mut row = vec![0; output.len()];
         let mut different: Vec<Context> = Vec::new();
         for (context, s) in of_sample {
             if different.last() != Some(&context) {
                 different.push(context);
             }
-            row[s as usize] = different.len() as u32 - 1;
+            costs.row[s as usize] = different.len() as u32 - 1;
         }
-        let width = input.contexts.len();
-        let rows = parallel::map(&different, |context| {
-            let own = match input.known(context) {
-                Some(known) => input.contexts[known as usize],
-                None => shares(context),
-            };
-            let cost = |other| (255.0 * difference(&own, other) + 0.5) as u8;
-            input.contexts.iter().map(cost).collect::<Vec<u8>>()
-        });
-        Self { row, width, table: rows.concat() }
+        let own = |context: &Context| match input.known(context) {
+            Some(known) => input.contexts[known as usize],
+            None => shares(context),
+        };
+        let (stored, others) = different.split_at(different.len().min(most / input.contexts.len().max(1)));
+        for contexts in stored.chunks(ROWS_AT_ONCE) {
+            go_on()?;
+            let rows = parallel::map(contexts, |context| {
+                let own = own(context);
+                input.contexts.iter().map(|other| steps(&own, other)).collect::<Vec<u8>>()
+            });
+            rows.iter().for_each(|row| costs.stored.extend_from_slice(row));
+        }
+        costs.others = others.iter().map(own).collect();
+        Ok(costs)
     }
 
-    /// The costs of a sample of the result, by the contexts of the exemplar.
-    pub(crate) fn of(&self, sample: usize) -> &[u8] {
-        &self.table[self.row[sample] as usize * self.width..][..self.width]
-    }
-
-    /// A stored cost as a length.
-    pub(crate) fn cost(stored: u8) -> f64 {
-        f64::from(stored) * STEP
+    /// The costs of a sample of the result.
+    pub(crate) fn of(&self, sample: usize) -> ContextRow<'_> {
+        if self.input.without_context {
+            return ContextRow::Free;
+        }
+        let width = self.input.contexts.len();
+        let row = self.row[sample] as usize;
+        match self.stored.get(row * width..(row + 1) * width) {
+            Some(costs) => ContextRow::Stored(costs),
+            None => ContextRow::Computed(&self.others[row - self.stored.len() / width], &self.input.contexts),
+        }
     }
 }

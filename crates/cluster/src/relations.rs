@@ -5,6 +5,7 @@ use crate::figures::{ClusterExemplar, Figure};
 use crate::raster::{FigurePixels, pixels};
 use crate::space::{PeriodicPlane, PointIndex, length};
 use std::collections::BTreeMap;
+use vtex_base::error::Result;
 use vtex_base::geometry::Point;
 use vtex_base::parallel;
 
@@ -13,6 +14,8 @@ const PARTNERS: usize = 12;
 /// Largest clearance, in lengths of which the exemplar has 400, and the share of that of the exemplar that is kept.
 const LARGEST_CLEARANCE: f64 = 16.0;
 const KEPT_CLEARANCE: f64 = 0.75;
+/// Pairs of elements measured at a time.
+const PAIRS_AT_ONCE: usize = 4096;
 /// Places that differ by less are the same.
 const SAME: f64 = 1.5;
 /// Distance of the points of a border.
@@ -63,7 +66,11 @@ pub(crate) struct PlaceRelations<'a> {
 }
 
 impl<'a> PlaceRelations<'a> {
-    pub(crate) fn new(exemplar: &'a ClusterExemplar) -> Self {
+    /// The relations of an exemplar. `go_on` is asked in between.
+    ///
+    /// # Errors
+    /// Those of `go_on`.
+    pub(crate) fn new(exemplar: &'a ClusterExemplar, go_on: &dyn Fn() -> Result<()>) -> Result<Self> {
         let borders: Vec<Vec<[f64; 2]>> = parallel::map(&exemplar.figures, border);
         let reach: Vec<f64> =
             borders.iter().map(|b| b.iter().map(|p| length(*p)).fold(0.0, f64::max)).collect();
@@ -99,10 +106,15 @@ impl<'a> PlaceRelations<'a> {
             near
         })
         .concat();
-        let gaps = parallel::map(&pairs, |&(a, b, way)| {
+        let of_pair = |&(a, b, way): &(u32, u32, [f64; 2])| {
             let of = |k: u32| &borders[places[k as usize].figure as usize];
             gap(of(a), of(b), way)
-        });
+        };
+        let mut gaps = Vec::with_capacity(pairs.len());
+        for pairs in pairs.chunks(PAIRS_AT_ONCE) {
+            go_on()?;
+            gaps.extend(parallel::map(pairs, of_pair));
+        }
         let mut nearest = vec![LARGEST_CLEARANCE; places.len()];
         for (&(a, b, _), gap) in pairs.iter().zip(&gaps) {
             for k in [a, b] {
@@ -132,18 +144,23 @@ impl<'a> PlaceRelations<'a> {
             hole: f64::INFINITY,
             spots: Vec::new(),
         };
-        made.count(&pairs);
+        made.count(&pairs, go_on)?;
         made.spots = made.figures.iter().map(|f| spots(&f[0])).collect();
+        go_on()?;
         made.hole = made.hole_size();
-        made
+        Ok(made)
     }
 
     /// Overlaps and close pairs of the exemplar.
-    fn count(&mut self, pairs: &[(u32, u32, [f64; 2])]) {
-        let found = parallel::map(pairs, |&(a, b, way)| {
-            let [fa, fb] = [a, b].map(|k| self.exemplar.places[k as usize].figure);
-            (self.overlap(fa, fb, way), self.grown_overlap(fa, fb, way))
-        });
+    fn count(&mut self, pairs: &[(u32, u32, [f64; 2])], go_on: &dyn Fn() -> Result<()>) -> Result<()> {
+        let mut found = Vec::with_capacity(pairs.len());
+        for pairs in pairs.chunks(PAIRS_AT_ONCE) {
+            go_on()?;
+            found.extend(parallel::map(pairs, |&(a, b, way)| {
+                let [fa, fb] = [a, b].map(|k| self.exemplar.places[k as usize].figure);
+                (self.overlap(fa, fb, way), self.grown_overlap(fa, fb, way))
+            }));
+        }
         for (&(a, b, way), (overlap, grown)) in pairs.iter().zip(found) {
             if grown == 0 {
                 continue;
@@ -163,6 +180,7 @@ impl<'a> PlaceRelations<'a> {
                 self.beneath.entry([cb, ca]).or_default()[0] += 1;
             }
         }
+        Ok(())
     }
 
     /// Share of the overlapping pairs of two categories in which the first lies beneath; `None` if there are none.

@@ -6,7 +6,7 @@
 
 use crate::input::{InputSamples, MOST_NEAR_OUTPUT};
 use crate::matching::{DenseAssignment, NONE};
-use crate::output::{ContextCosts, OutputSamples};
+use crate::output::{ContextCosts, ContextRow, OutputSamples};
 use crate::space::{PointIndex, Vicinity, length};
 use vtex_base::error::Result;
 use vtex_base::parallel;
@@ -42,7 +42,7 @@ impl Matches {
 struct Comparison<'a> {
     input: &'a InputSamples,
     output: &'a OutputSamples,
-    costs: &'a ContextCosts,
+    costs: &'a ContextCosts<'a>,
     near: &'a Vicinity,
     assignment: DenseAssignment,
 }
@@ -55,7 +55,7 @@ impl Comparison<'_> {
         let delta = input.scale.distance;
         let own = near.range(sample);
         let columns = input.near.range(source as usize);
-        let context = |of: &[u8], i: u32| ContextCosts::cost(of[input.context[i as usize] as usize]);
+        let context = |of: ContextRow<'_>, i: u32| of.cost(input.context[i as usize]);
         let mut total = context(costs.of(sample), source) + input.colour_cost(output.copied[sample], source);
         // Samples of the exemplar that the neighbourhood should have, but for those at its rim.
         let reach = if own.len() < MOST_NEAR_OUTPUT {
@@ -160,7 +160,7 @@ pub(crate) fn search(
     let index = PointIndex::new(output.plane, radius, &output.points);
     let near = Vicinity::new(&index, &output.points, radius, (MOST_NEAR_OUTPUT, true));
     go_on()?;
-    let costs = ContextCosts::new(output, input);
+    let costs = ContextCosts::new(output, input, go_on)?;
     go_on()?;
     let pieces: Vec<usize> = (0..output.len()).step_by(PIECE).collect();
     let (mut sources, mut cost) = (Vec::with_capacity(output.len()), Vec::with_capacity(output.len()));

@@ -6,7 +6,7 @@ use crate::figures::{ClusterExemplar, Figure, FigurePlace};
 use crate::input::{InputSamples, LevelScale};
 use crate::matching::DenseAssignment;
 use crate::optimise::{ClusterParams, ClusterResult, cluster, level_of};
-use crate::output::OutputSamples;
+use crate::output::{ContextCosts, OutputSamples};
 use crate::rebuild::{rebuilt, sampled};
 use crate::relations::PlaceRelations;
 use crate::search::{Matches, search};
@@ -114,7 +114,7 @@ fn votes_count_matches_that_share_a_cluster_and_their_order() {
 fn shape_energy_is_zero_for_a_copy_and_one_for_a_missing_sample() {
     let exemplar = loose();
     let input = InputSamples::new(&exemplar, SCALE, 1, &|| Ok(())).unwrap();
-    let relations = PlaceRelations::new(&exemplar);
+    let relations = PlaceRelations::new(&exemplar, &|| Ok(())).unwrap();
     let mut board = Board::new(exemplar.page, &relations);
     board.add(BoardElement { place: 3, at: [377.0, 391.0] });
     let output = sampled(&board, &input);
@@ -127,6 +127,30 @@ fn shape_energy_is_zero_for_a_copy_and_one_for_a_missing_sample() {
     let part = shape_match(&output, &input, &all[0][1..], |_| true, work).unwrap();
     assert!((part.energy - 1.0).abs() < 1e-6, "{part:?}");
     assert_eq!(shape_match(&output, &input, &all[0], |_| false, work), None);
+}
+
+#[test]
+fn costs_of_contexts_are_the_same_stored_or_computed() {
+    let exemplar = loose();
+    let go_on = || Ok(());
+    let input = InputSamples::new(&exemplar, SCALE, 1, &go_on).unwrap();
+    let relations = PlaceRelations::new(&exemplar, &go_on).unwrap();
+    let mut output = sampled(&copied(&exemplar, &relations), &input);
+    // Cut clusters have contexts of their own.
+    (0..output.len()).filter(|s| s % 5 == 0).for_each(|s| output.cluster[s] = output.clusters);
+    output.clusters += 1;
+    let width = input.contexts.len();
+    let of = |most: usize| -> Vec<f64> {
+        let costs = ContextCosts::within(&output, &input, most, &go_on).unwrap();
+        (0..output.len())
+            .flat_map(|s| (0..width).map(move |c| (s, c)))
+            .map(|(s, c)| costs.of(s).cost(c as u32))
+            .collect()
+    };
+    let all = of(usize::MAX);
+    assert!(all.iter().any(|c| *c > 0.0));
+    assert_eq!(all, of(0));
+    assert_eq!(all, of(7 * width));
 }
 
 /// Adjusted Rand index of two groupings.
@@ -146,7 +170,7 @@ fn rand_index(a: &[u32], b: &[u32]) -> f64 {
 fn clusters_are_recovered_from_shuffled_ids_and_energy_never_rises() {
     let exemplar = loose();
     let input = InputSamples::new(&exemplar, SCALE, 1, &|| Ok(())).unwrap();
-    let relations = PlaceRelations::new(&exemplar);
+    let relations = PlaceRelations::new(&exemplar, &|| Ok(())).unwrap();
     let mut output = sampled(&copied(&exemplar, &relations), &input);
     let truth = output.cluster.clone();
     let matches = search(&mut output, &input, &|| Ok(())).unwrap();
@@ -177,7 +201,7 @@ fn clusters_are_recovered_from_shuffled_ids_and_energy_never_rises() {
 fn energy_falls_and_samples_return_to_their_places() {
     let exemplar = loose();
     let input = InputSamples::new(&exemplar, SCALE, 1, &|| Ok(())).unwrap();
-    let relations = PlaceRelations::new(&exemplar);
+    let relations = PlaceRelations::new(&exemplar, &|| Ok(())).unwrap();
     let mut output = sampled(&copied(&exemplar, &relations), &input);
     let mut random = stream(2, "cluster/test noise", 0);
     for p in &mut output.points {
@@ -193,7 +217,7 @@ fn energy_falls_and_samples_return_to_their_places() {
 
 /// Number of elements on each pixel of a canvas of a side of `size`, whose edges may join.
 fn covered(exemplar: &ClusterExemplar, result: &ClusterResult, size: f64, tile: bool) -> Vec<u8> {
-    let relations = PlaceRelations::new(exemplar);
+    let relations = PlaceRelations::new(exemplar, &|| Ok(())).unwrap();
     let side = size as i32;
     let mut cells = vec![0u8; (side * side) as usize];
     for element in &result.elements {
@@ -268,7 +292,7 @@ fn density_mix_and_distances_are_those_of_the_exemplar() {
 #[test]
 fn what_lies_above_stays_above() {
     let exemplar = stems();
-    let relations = PlaceRelations::new(&exemplar);
+    let relations = PlaceRelations::new(&exemplar, &|| Ok(())).unwrap();
     let right = |without_depth: bool| {
         let result = run(&exemplar, &ClusterParams { without_depth, ..params(800.0, true) });
         let plane = PeriodicPlane { size: [800.0; 2], wraps: [true; 2] };

@@ -40,6 +40,7 @@ def analyze(
     layer_order: Sequence[int] = (),
     layer_map: _inputs.Picture | None = None,
     elements: Literal["auto", "group", "path", "piece"] = "auto",
+    group: Literal["auto", "contact", "none"] = "auto",
     lenient: bool = False,
     encoder: _inputs.Path | None = None,
     decoder: _inputs.Path | None = None,
@@ -117,6 +118,9 @@ def analyze(
         A painted map of the photograph's size, in 2 to 6 flat colours, in place of the layers found.
     elements : {"auto", "group", "path", "piece"}, default "auto"
         Which shapes of a drawing are one element.
+    group : {"auto", "contact", "none"}, default "auto"
+        Which elements of a drawing are one motif, which textures keep together: those whose relative places
+        recur or that are much nearer to each other than to all others, those that touch, or none.
     lenient : bool, default False
         Whether what cannot be read of a drawing is left out, rather than refused.
     encoder, decoder : path, optional
@@ -177,6 +181,7 @@ def analyze(
         "layers": 1 if layers == "off" else layers,
         "layer_order": list(layer_order),
         "elements": elements,
+        "group": group,
         "lenient": lenient,
     }
     options = {

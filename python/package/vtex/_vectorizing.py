@@ -33,6 +33,7 @@ class Parameters(TypedDict, total=False):
     layer_order: Sequence[int]
     layer_map: _inputs.Picture | None
     elements: Literal["auto", "group", "path", "piece"]
+    group: Literal["auto", "contact", "none"]
     lenient: bool
     encoder: _inputs.Path | None
     decoder: _inputs.Path | None

@@ -14,7 +14,7 @@ use crate::cli::options::masks::MasksArgs;
 use crate::cli::options::preset::PresetArgs;
 use crate::cli::output::{Targets, say};
 use crate::cli::progress::{Plan, Reporter};
-use crate::cli::summary::{Coverage, ElementCounts, LayersReport, PhotographReduction, Summary};
+use crate::cli::summary::{Coverage, ElementCounts, LayersReport, MotifCount, PhotographReduction, Summary};
 use clap::Args;
 use std::path::PathBuf;
 use vtex::output::file::Format;
@@ -101,6 +101,7 @@ fn run(common: &Common, reporter: &Reporter, analysis: &Analysis, targets: &Targ
         }),
         layers: LayersReport::of_library(&library),
         lattice: library.lattice.clone(),
+        motifs: MotifCount::of_library(&library),
         ..Summary::new("analyze", vec![analysis.input.name()], targets.path(), written, reporter)
     };
     summary.print(common, targets.piped())

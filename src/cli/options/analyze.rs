@@ -8,7 +8,7 @@ use crate::cli::values::{Wrap, named, one_of};
 use clap::{Args, ValueEnum};
 use serde::{Deserialize, Serialize};
 use vtex::Parameter;
-use vtex::library::{AnalyzeParams, Categories, Grouping, Shading};
+use vtex::library::{AnalyzeParams, Categories, Grouping, MotifGrouping, Shading};
 
 /// The segmenter that finds the masks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, ValueEnum, Serialize, Deserialize)]
@@ -100,6 +100,12 @@ pub(crate) struct AnalyzeFlags {
     #[arg(long, value_name = "HOW", hide_possible_values = true, help_heading = "Drawings")]
     #[arg(value_parser = one_of(&["auto", "group", "path", "piece"], named::<Grouping>))]
     pub(crate) elements: Option<Grouping>,
+    /// Which elements of a drawing are a motif, which textures keep together: those whose relative places
+    /// recur, or that are much nearer to each other than to all others; those that touch; none [auto, contact
+    /// or none, default: auto]
+    #[arg(long, value_name = "HOW", hide_possible_values = true, help_heading = "Drawings")]
+    #[arg(value_parser = one_of(&["auto", "contact", "none"], named::<MotifGrouping>))]
+    pub(crate) group: Option<MotifGrouping>,
     /// Leave out what cannot be read of a drawing: raster images, filters, masks, pattern fills
     /// [default: false]
     #[arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true")]

@@ -17,6 +17,7 @@ mod density;
 pub(crate) mod descriptor;
 pub(crate) mod grid;
 pub(crate) mod model;
+pub(crate) mod motifs;
 pub(crate) mod occupancy;
 pub(crate) mod period;
 mod picture;

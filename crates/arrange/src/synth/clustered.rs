@@ -1,8 +1,10 @@
 //! Drawings arranged by clustered samples ([`vtex_cluster`]): a library becomes its exemplar, the result a scene.
 
 use super::compose::{Placement, What, compose_drawing};
+use super::covered::{MOVED, covered};
 use super::report::{CategoryReport, ClusterReport, SynthReport};
 use crate::arrange::controls::Controls;
+use crate::arrange::motifs::{MotifUnits, UnitPart};
 use vtex_base::error::{Error, Result};
 use vtex_base::geometry::{Affine, Outline, Rect, rounded};
 use vtex_base::progress::{Progress, advance};
@@ -14,12 +16,7 @@ use vtex_cluster::{
 use vtex_scene::element::{self, SimilarTo};
 use vtex_scene::library::{ElementId, Library, SourceKind};
 use vtex_scene::reconstruct::equal;
-use vtex_scene::scene::{Ablation, LibraryId, Scene, SynthParams, pixels};
-
-/// Largest difference of an angle or a size from that of an equal element, for one that is only moved.
-const MOVED: f64 = 1e-3;
-/// Largest canvas on which covered pixels are counted.
-const MOST_PIXELS: u64 = 100_000_000;
+use vtex_scene::scene::{Ablation, LibraryId, Scene, SynthParams};
 
 /// Whether a library can be arranged: one drawing, without a control that this method does not follow.
 ///
@@ -63,7 +60,9 @@ pub(super) fn synthesize(
 ) -> Result<(Scene, SynthReport)> {
     let go_on = || advance(progress, "primaries", 0, 2);
     go_on()?;
-    let drawing = ClusteredDrawing::new(library);
+    // A motif is one figure.
+    let units = MotifUnits::new(library);
+    let drawing = ClusteredDrawing::new(units.as_ref().map_or(library, |u| &u.library));
     let variation = params.variation.unwrap_or(1.0);
     let tile = [params.tile.x, params.tile.y];
     let size = [params.width, params.height].map(f64::from);
@@ -89,7 +88,8 @@ pub(super) fn synthesize(
     let mut placed = drawing.reaching(&found, &params);
     // Layers keep their order; within one, the order is that of the result.
     placed.sort_by_key(|e| drawing.places[e.place].layer);
-    let placements = placed.iter().map(|e| drawing.placement(library, e));
+    let known = equal(library.primaries());
+    let placements = placed.iter().flat_map(|e| drawing.placements(library, units.as_ref(), &known, e));
     let scene = compose_drawing(library, &params, controls, placements);
     let covered = covered(library, &scene, || advance(progress, "primaries", 1, 2))?;
     let wanted = library.categories.iter().map(|c| c.coverage);
@@ -121,7 +121,10 @@ fn summed(found: &ClusterResult) -> ClusterReport {
 }
 
 /// An element of the drawing at its place.
+#[derive(Clone, Copy)]
 struct DrawnPlace {
+    /// The element, or unit, that is there.
+    own: usize,
     /// The first element that it equals, up to its place.
     element: usize,
     /// From the shapes of that element to the place.
@@ -144,10 +147,6 @@ impl ClusteredDrawing {
     fn new(library: &Library) -> Self {
         let elements = library.primaries();
         let known = equal(elements);
-        let is_moved = |map: &Affine| {
-            let c = map.as_coeffs();
-            [c[0] - 1.0, c[1], c[2], c[3] - 1.0].iter().all(|v| v.abs() < MOVED)
-        };
         let mut figures: Vec<Figure> = Vec::new();
         // The linear part that each figure's element is placed with, and the figure.
         let mut of_element: Vec<Vec<([f64; 4], u32)>> = vec![Vec::new(); elements.len()];
@@ -156,12 +155,8 @@ impl ClusteredDrawing {
             for instance in &layer.instances {
                 let own = instance.element.index();
                 let Some(e) = elements.get(own) else { continue };
-                let SimilarTo { first, map: from } = known[own];
-                let (element, map) = if is_moved(&from) {
-                    (first, Affine::new(instance.transform) * Affine::translate(from.translation()))
-                } else {
-                    (own, Affine::new(instance.transform))
-                };
+                let (element, from) = moved_first(&known, own);
+                let map = Affine::new(instance.transform) * from;
                 let [a, b, c, d, ..] = map.as_coeffs();
                 let shapes = &elements[element].shapes;
                 let middle = element::bounds(shapes).center();
@@ -179,7 +174,7 @@ impl ClusteredDrawing {
                 let at = map * middle;
                 let at = [at.x, at.y];
                 places.push(FigurePlace { figure, at, placeable: !e.clipped });
-                drawn.push(DrawnPlace { element, map, at, layer: l });
+                drawn.push(DrawnPlace { own, element, map, at, layer: l });
                 bounds.push(figures[figure as usize].bounds());
             }
         }
@@ -200,63 +195,43 @@ impl ClusteredDrawing {
         found.elements.iter().filter(reaches).copied().collect()
     }
 
-    fn placement<'a>(&self, library: &Library, element: &ClusteredElement) -> Placement<'a> {
-        let DrawnPlace { element: first, map, at, layer } = self.places[element.place];
+    /// The elements of the drawing that an element of the result stands for: itself, or the parts of a motif.
+    fn placements<'a>(
+        &self,
+        library: &Library,
+        units: Option<&MotifUnits>,
+        known: &[SimilarTo],
+        element: &ClusteredElement,
+    ) -> Vec<Placement<'a>> {
+        let DrawnPlace { own, element: first, map, at, layer } = self.places[element.place];
         let by = Affine::translate((element.at[0] - at[0], element.at[1] - at[1]));
-        let [x, y] = library.elements[first].origin().map(f64::from);
-        Placement {
-            what: What::Known(LibraryId(0), ElementId::after(first), None),
-            transform: rounded(by * map * Affine::translate((x, y))),
-            layer,
-        }
+        let placement = |first: usize, map: Affine, layer: usize| {
+            let [x, y] = library.elements[first].origin().map(f64::from);
+            Placement {
+                what: What::Known(LibraryId(0), ElementId::after(first), None),
+                transform: rounded(by * map * Affine::translate((x, y))),
+                layer,
+            }
+        };
+        let Some(units) = units else { return vec![placement(first, map, layer)] };
+        let part = |part: &UnitPart| {
+            let (first, from) = moved_first(known, part.element);
+            placement(first, part.map * from, part.order.0)
+        };
+        units.parts[own].iter().map(part).collect()
     }
+}
+
+/// The first element that an element equals up to its place, and the translation from that one; or itself.
+fn moved_first(known: &[SimilarTo], own: usize) -> (usize, Affine) {
+    let SimilarTo { first, map } = known[own];
+    let c = map.as_coeffs();
+    let is_moved = [c[0] - 1.0, c[1], c[2], c[3] - 1.0].iter().all(|v| v.abs() < MOVED);
+    if is_moved { (first, Affine::translate(map.translation())) } else { (own, Affine::IDENTITY) }
 }
 
 fn colour(colour: Colour) -> [f64; 3] {
     colour.to_oklab().map(f64::from)
-}
-
-/// Share of the canvas that each category visibly covers; that of the exemplar where the canvas is too large to count.
-///
-/// # Errors
-/// Those of `go_on`.
-fn covered(library: &Library, scene: &Scene, go_on: impl Fn() -> Result<()>) -> Result<Vec<f64>> {
-    let [width, height] = [scene.width, scene.height];
-    let pixels = u64::from(width) * u64::from(height);
-    if pixels > MOST_PIXELS {
-        return Ok(library.categories.iter().map(|c| c.coverage).collect());
-    }
-    let masks: Vec<_> = scene.elements.iter().map(|e| pixels::of_shapes(&e.shapes)).collect();
-    let mut cells = vec![0u16; pixels as usize];
-    for instance in scene.instances() {
-        go_on()?;
-        let element = &scene.elements[instance.element.index()];
-        let map = instance.affine();
-        let [a, b, c, d, x, y] = map.as_coeffs();
-        let plain = [a - 1.0, b, c, d - 1.0].iter().all(|v| v.abs() < MOVED);
-        let mask = if plain {
-            masks[instance.element.index()].shifted(libm::round(x) as i32, libm::round(y) as i32)
-        } else {
-            let shapes: Vec<_> = element.shapes.iter().map(|s| s.moved(map)).collect();
-            pixels::of_shapes(&shapes)
-        };
-        let value = element.category.map_or(0, |c| c.index() as u16 + 1);
-        for by in scene.copies(map.transform_rect_bbox(element.bounds())) {
-            let (dx, dy) = (libm::round(by.x) as i32, libm::round(by.y) as i32);
-            for span in mask.spans() {
-                let (row, x0, x1) = (span.y + dy, (span.x0 + dx).max(0), (span.x1 + dx).min(width as i32));
-                if (0..height as i32).contains(&row) && x0 < x1 {
-                    let start = row as usize * width as usize;
-                    cells[start + x0 as usize..start + x1 as usize].fill(value);
-                }
-            }
-        }
-    }
-    let mut counts = vec![0u64; library.categories.len() + 1];
-    for cell in cells {
-        counts[usize::from(cell)] += 1;
-    }
-    Ok(counts[1..].iter().map(|n| *n as f64 / pixels as f64).collect())
 }
 
 #[cfg(test)]

@@ -10,11 +10,15 @@ mod canvas_parts;
 #[cfg(feature = "clustered")]
 mod clustered;
 pub(crate) mod compose;
+mod covered;
+#[cfg(test)]
+mod motif_tests;
 mod neighbourhoods;
 mod period;
 pub(crate) mod report;
 pub(crate) mod secondaries;
 mod strata;
+mod taken_apart;
 #[cfg(test)]
 mod tests;
 mod units;
@@ -29,6 +33,7 @@ pub use vtex_scene::reconstruct::reconstruct;
 
 use crate::arrange::correspondence::no_guide;
 use crate::arrange::model::PlacementModel;
+use crate::arrange::motifs::MotifUnits;
 use crate::arrange::{PlacementResult, PlacementTask, arrange};
 use compose::{Placement, What, compose};
 use secondaries::PlacedSecondary;
@@ -78,7 +83,25 @@ fn in_pixels(
     if method == Method::Clustered {
         return clustered(&libraries[0], params, controls, progress);
     }
-    let params = &keeping_apart(libraries, params);
+    if method == Method::Descriptor
+        && let [library] = libraries
+        && let Some(units) = MotifUnits::new(library)
+    {
+        let params = &keeping_apart(libraries, params);
+        let (scene, report) = arranged(&[units.closed()], params, controls, progress)?;
+        return taken_apart::taken_apart(&units, library, (scene, report), progress);
+    }
+    arranged(libraries, &keeping_apart(libraries, params), controls, progress)
+}
+
+/// A texture of elements placed one by one, by correspondences or descriptors.
+fn arranged(
+    libraries: &[Library],
+    params: &SynthParams,
+    controls: &Controls,
+    progress: &dyn Progress,
+) -> Result<(Scene, SynthReport)> {
+    let method = params.method;
     let mut model = PlacementModel::new(libraries, params);
     let task = PlacementTask { libraries, controls, params, method, fixed: Vec::new() };
     let arrangement = arrange(&mut model, &task, progress)?;

@@ -7,6 +7,7 @@ use super::ImportParams;
 use super::categories::categorise;
 use super::clip::{Clip, page as page_of};
 use super::elements::{NEAREST, PieceProperties, elements};
+use super::motifs::{MotifSource, motifs};
 use super::offsets::{Offsets, Shift, minus};
 use super::pieces::DrawingPiece;
 use super::read::DrawingPage;
@@ -120,6 +121,8 @@ struct Draft {
     /// Place in the painting order.
     order: usize,
     mask: Mask,
+    /// The author's innermost group, if all of it is in one.
+    group: Option<usize>,
     /// Whether it is endless: it continues across the borders of the page from copy to copy.
     endless: bool,
 }
@@ -151,6 +154,20 @@ pub(super) fn assemble(
         go_on()?;
         elements.push(element(draft, size, wrap));
     }
+    let motifs = {
+        let layers: Vec<usize> = drafts.iter().map(|d| d.layer).collect();
+        let groups: Vec<Option<usize>> = drafts.iter().map(|d| d.group).collect();
+        let is_endless: Vec<bool> = drafts.iter().map(|d| d.endless).collect();
+        let source = MotifSource {
+            elements: &elements,
+            layers: &layers,
+            groups: &groups,
+            is_endless: &is_endless,
+            size,
+            wrap,
+        };
+        motifs(&source, origin.params.analyze.group, &go_on)?
+    };
     let shares: Vec<f64> = (0..elements.len()).map(|k| visible(k) / pixels).collect();
     let params = &origin.params.analyze;
     go_on()?;
@@ -192,6 +209,7 @@ pub(super) fn assemble(
         arrangement: Arrangement { periodic: wrap, ..Arrangement::from_labels(&labels) },
         descriptor_half: (libm::round(params.descriptor_reach * spacing) as u32).clamp(1, most.max(1)),
         lattice: guide.lattice(wrap),
+        motifs,
         guide: Some(guide),
     };
     let mut library = library.scaled(pixels.map(|v| 1.0 / v));
@@ -358,7 +376,9 @@ fn draft(
     }
     let order = members.iter().map(|m| m.0).max().unwrap_or(0);
     let layer = members.first().map_or(0, |m| pieces[m.0].layer);
-    Draft { shapes, layer, order, mask: all, endless }
+    let group = members.first().and_then(|m| pieces[m.0].group);
+    let group = group.filter(|g| members.iter().all(|m| pieces[m.0].group == Some(*g)));
+    Draft { shapes, layer, order, mask: all, group, endless }
 }
 
 /// The pixels that shapes paint on the page; for a page that wraps, also those up to a page away.

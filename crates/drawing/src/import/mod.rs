@@ -2,8 +2,8 @@
 //!
 //! The stages, in order: shapes of the page ([`read`]), connected pieces of compound paths ([`pieces`]),
 //! pieces made whole across the borders of a periodic page ([`torus`]), contacts of pieces
-//! (`vtex_base::raster::contact`), division of pieces into elements ([`elements`]), and the library of it
-//! ([`assemble`]).
+//! (`vtex_base::raster::contact`), division of pieces into elements ([`elements`]), elements that belong
+//! together ([`motifs`]), and the library of it ([`assemble`]).
 //!
 //! A library has the units of the drawing's page. Its maps have a whole number of pixels for each of them, so
 //! that the shorter side of the page has at least 200 px and the median piece at least eight cells of the
@@ -18,6 +18,7 @@ mod categories;
 mod clip;
 mod elements;
 mod lines;
+mod motifs;
 mod offsets;
 mod paint;
 mod periodic;
@@ -45,7 +46,7 @@ pub struct ImportParams {
     /// Whether opposite borders of the page join. `None` (the default): tested on the picture. The field of
     /// `analyze` has no effect.
     pub wrap: Option<bool>,
-    /// Parameters, of which `elements`, `lenient`, `categories` and `descriptor_reach` have an effect.
+    /// Parameters, of which `elements`, `group`, `lenient`, `categories` and `descriptor_reach` have an effect.
     pub analyze: AnalyzeParams,
 }
 

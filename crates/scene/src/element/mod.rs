@@ -1,4 +1,4 @@
-//! Elements: what libraries and scenes are made of, a texton of a photograph or a motif of a drawing.
+//! Elements: what libraries and scenes are made of, a texton of a photograph or a figure of a drawing.
 //!
 //! An element is a list of shapes in painting order. Libraries and scenes share the shapes; their other data
 //! on an element differ ([`crate::library::ExemplarElement`], [`crate::scene::Element`]).

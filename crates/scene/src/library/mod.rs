@@ -5,6 +5,7 @@ mod categories;
 mod guide;
 mod instance;
 mod layer_count;
+mod motif;
 mod parameters;
 mod pixel_limit;
 mod strata;
@@ -18,7 +19,8 @@ pub use arrangement::Arrangement;
 pub use categories::Categories;
 pub use guide::{Guide, Picture};
 pub use instance::ExemplarInstance;
-pub use parameters::{AnalyzeParams, Grouping, Shading};
+pub use motif::{Motif, MotifPart};
+pub use parameters::{AnalyzeParams, Grouping, MotifGrouping, Shading};
 pub use strata::Stratum;
 
 use crate::element;
@@ -70,6 +72,9 @@ pub struct Library {
     /// Translations under which the exemplar looks the same; `None` if it has no rows and no lattice.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lattice: Option<Lattice>,
+    /// Elements of a drawing that belong together; each is a part of one motif or of none. Default: none are.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub motifs: Vec<Motif>,
 }
 
 /// The kind of an exemplar.

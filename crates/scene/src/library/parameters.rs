@@ -86,6 +86,9 @@ pub struct AnalyzeParams {
     pub layer_order: Vec<u32>,
     /// Which shapes of a drawing are one element. Default auto.
     pub elements: Grouping,
+    /// Which elements of a drawing are one motif. Default auto, which is not stored.
+    #[serde(skip_serializing_if = "MotifGrouping::is_default")]
+    pub group: MotifGrouping,
     /// Whether parts of a drawing that cannot be read are left out, rather than refused. Default false.
     pub lenient: bool,
 }
@@ -105,6 +108,28 @@ pub enum Grouping {
     Path,
     /// Each connected piece of a path: an outer ring with what lies inside.
     Piece,
+}
+
+/// Which elements of a drawing are one motif.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum MotifGrouping {
+    /// Those whose relative places recur, those much nearer to each other than to all others, and those that
+    /// touch or contain one another.
+    #[default]
+    Auto,
+    /// Those that touch or contain one another.
+    Contact,
+    /// None.
+    None,
+}
+
+impl MotifGrouping {
+    /// Whether it is the default.
+    fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
 }
 
 /// Fills of details and primaries.
@@ -177,6 +202,7 @@ impl Default for AnalyzeParams {
             layers: 0,
             layer_order: Vec::new(),
             elements: Grouping::Auto,
+            group: MotifGrouping::Auto,
             lenient: false,
         }
     }

@@ -107,6 +107,7 @@ pub fn library(map: &LabelMap) -> Library {
         arrangement: Arrangement::from_labels(map),
         guide: None,
         lattice: None,
+        motifs: Vec::new(),
     }
 }
 

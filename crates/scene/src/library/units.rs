@@ -80,6 +80,7 @@ impl Library {
             arrangement: self.arrangement.clone(),
             guide: self.guide.clone(),
             lattice: self.lattice.as_ref().map(|lattice| lattice.scaled(by)),
+            motifs: self.motifs.clone(),
             ..*self
         }
     }

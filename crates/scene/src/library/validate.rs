@@ -67,6 +67,7 @@ pub(super) fn validate(l: &Library) -> Result<(), String> {
         inside(&at.to_string(), e.centroid)?;
     }
     validate_layers(l)?;
+    super::motif::validate(l)?;
     for (i, c) in l.categories.iter().enumerate() {
         share(&format!("categories[{i}].coverage"), c.coverage)?;
         if !c.centre.iter().all(|v| v.is_finite()) {

@@ -125,6 +125,7 @@ impl TryFrom<LibraryVersion1> for Library {
             descriptor_half: old.descriptor_half,
             guide: old.guide,
             lattice: None,
+            motifs: Vec::new(),
         })
     }
 }

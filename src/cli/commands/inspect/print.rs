@@ -6,7 +6,7 @@ use crate::cli::failure::label;
 use crate::cli::foreign::escaped;
 use crate::cli::input::{Input, InputKind};
 use crate::cli::output;
-use crate::cli::summary::{ElementCounts, bytes as show_bytes, lattice_measures, lattice_text};
+use crate::cli::summary::{ElementCounts, MotifCount, bytes as show_bytes, lattice_measures, lattice_text};
 use anstyle::{AnsiColor, RgbColor, Style};
 use serde::Serialize;
 use vtex::library::{AnalyzeParams, Lattice, Library};
@@ -35,6 +35,9 @@ struct Inspection {
     /// Rows or lattice of an exemplar.
     #[serde(skip_serializing_if = "Option::is_none")]
     lattice: Option<Lattice>,
+    /// The motifs of a drawing, by their number of elements.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    motifs: Vec<MotifCount>,
     /// The layers, in painting order.
     layers: Vec<LayerLine>,
     counts: ElementCounts,
@@ -162,6 +165,7 @@ fn of_library(library: &Library, file: String, bytes: u64) -> Inspection {
         seed: Some(source.parameters.seed),
         tile: None,
         lattice: library.lattice.clone(),
+        motifs: MotifCount::of_library(library),
         layers: library
             .layers
             .iter()
@@ -219,6 +223,7 @@ fn of_scene(scene: &Scene, file: String, bytes: u64) -> Inspection {
         seed: scene.parameters.as_ref().map(|p| p.seed),
         tile: Some(scene.tile),
         lattice: None,
+        motifs: Vec::new(),
         layers: scene
             .layers
             .iter()
@@ -294,6 +299,9 @@ impl Inspection {
         if let Some(lattice) = &self.lattice {
             line("regular", lattice_text(lattice));
             line("", lattice_measures(lattice));
+        }
+        if let Some(motifs) = MotifCount::in_words(&self.motifs) {
+            line("motifs", motifs);
         }
         let layers: Vec<&str> = self.layers.iter().map(|layer| layer.name.as_str()).collect();
         line("layers", layers.join(", "));

@@ -49,6 +49,7 @@ const OPTIONS: [(&str, Stage, &[&str]); 5] = [
             "layers",
             "wrap",
             "elements",
+            "group",
             "lenient",
         ],
     ),

@@ -5,18 +5,22 @@
 //! to move: they exchange places with others of similar size, move and turn, as long as no two come nearer to
 //! each other than elements of the drawing. Similar elements are kept apart. The number of elements stays, and
 //! the area by category nearly so: elements at the border of the canvas hardly move. Elements that are equal up
-//! to rotation, reflection and size are one element of the scene.
+//! to rotation, reflection and size are one element of the scene. Motifs take part as wholes; then their parts
+//! move as far as the drawing's own copies of the motif differ.
 //!
 //! Works badly for packed drawings, whose elements have no room to move: they are repeated exactly.
 //! [`Repeated::repeating`] is then 1.
 
 mod canvas;
 mod exchange;
+mod parts;
 mod relations;
 #[cfg(test)]
 mod tests;
 
+use crate::arrange::motifs::MotifUnits;
 use canvas::{MOST_PIXELS, OccupiedCanvas};
+use parts::TakenApart;
 use vtex_base::error::{Error, Large, Result};
 use vtex_base::geometry::{Affine, Rect, Vec2};
 use vtex_base::progress::{Progress, advance};
@@ -76,25 +80,46 @@ fn place_within(
     check_periods(library, params)?;
     check_copies(library, params)?;
     advance(progress, "primaries", 0, 2)?;
-    let relations = ElementRelations::new(library);
+    // Motifs are placed as wholes and then taken apart.
+    let units = MotifUnits::new(library);
+    let drawing = units.as_ref().map_or(library, |u| &u.library);
+    let mut relations = ElementRelations::new(drawing);
+    if let Some(units) = &units {
+        relations.follow(units);
+    }
     let mut variation = params.variation.unwrap_or(if relations.regular { 0.0 } else { 1.0 });
-    let mut placed = repeated(library, params, &relations);
+    let mut placed = repeated(drawing, params, &relations);
     // On a canvas too large for the map, coverage is taken from the exemplar.
-    let mut covered: Vec<f64> = library.categories.iter().map(|c| c.coverage).collect();
-    if let Some(mut canvas) = OccupiedCanvas::new(library, params, &relations, most) {
+    let mut covered = None;
+    let go_on = || advance(progress, "primaries", 1, 2);
+    if let Some(mut canvas) = OccupiedCanvas::new(drawing, params, &relations, most) {
         canvas.write_all(&placed, || advance(progress, "primaries", 0, 2))?;
-        let go_on = || advance(progress, "primaries", 1, 2);
         go_on()?;
         if variation > 0.0 {
             canvas.vary(&mut placed, variation, params.seed, go_on)?;
         }
-        covered = canvas.covered(&placed, go_on)?;
+        if units.is_none() {
+            covered = Some(canvas.covered(&placed, go_on)?);
+        }
     } else if variation > 0.0 {
         variation = 0.0;
         progress
             .warn("the texture is too large for elements to change places: the drawing is repeated as it is");
     }
+    if let Some(units) = &units {
+        relations = ElementRelations::new(library);
+        let mut apart = TakenApart::new(units, &placed);
+        if let Some(mut canvas) = OccupiedCanvas::new(library, params, &relations, most) {
+            canvas.write_all(&apart.placed, go_on)?;
+            if variation > 0.0 {
+                apart.vary(&mut canvas, units, variation, params.seed, go_on)?;
+            }
+            covered = Some(canvas.covered(&apart.placed, go_on)?);
+        }
+        placed = apart.placed;
+    }
     advance(progress, "primaries", 2, 2)?;
+    let covered = covered.unwrap_or_else(|| library.categories.iter().map(|c| c.coverage).collect());
     let repeating = repeating(library, params, &placed, &relations);
     let ElementRelations { equal, bounds, .. } = relations;
     Ok(Repeated { placed, equal, bounds, covered, variation, repeating })

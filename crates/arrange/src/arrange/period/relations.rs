@@ -1,6 +1,7 @@
 //! Properties of a periodic drawing: equal elements, elements that are free to move, and whether the order of
 //! elements is regular.
 
+use crate::arrange::motifs::MotifUnits;
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
@@ -93,6 +94,12 @@ impl ElementRelations {
             margin: largest.min(0.5 * spacing) + spacing,
             regular,
         }
+    }
+
+    /// Turns motifs by the angles at which their copies occur, although these may differ a little.
+    pub(super) fn follow(&mut self, units: &MotifUnits) {
+        self.equal = units.similar(&self.equal);
+        self.angles = angles(&self.equal);
     }
 }
 
