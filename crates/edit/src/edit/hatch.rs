@@ -282,7 +282,8 @@ mod tests {
     fn light_details_and_soft_light_interrupt_the_lines() {
         let mut with_patch = square(Colour([95; 3]));
         with_patch.shapes.push(Shape::new(outline("M10 -5h10v60h-10z"), Colour([250; 3])));
-        let rim = outline("M10 20C10 9 14.5 0 20 0C25.5 0 30 9 30 20C30 31 25.5 40 20 40C14.5 40 10 31 10 20z");
+        let rim =
+            outline("M10 20C10 9 14.5 0 20 0C25.5 0 30 9 30 20C30 31 25.5 40 20 40C14.5 40 10 31 10 20z");
         let mut shaded = square(Colour([95; 3]));
         shaded.shapes.push(Shape::soft_along(&rim, Colour([255; 3]), Profile::Sharp).unwrap());
         let whole = pieces(&square(Colour([95; 3]))).len();

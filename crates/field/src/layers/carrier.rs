@@ -131,7 +131,8 @@ mod tests {
         let plane: Vec<f32> = (0..300).map(|i| (i % 20) as f32).collect();
         let copied = carrier.voted(&[plane], [20, 15], 0, 1.0).swap_remove(0);
         // Away from the cell where the exemplar ends.
-        assert_eq!(copied[..14], (5..19).map(|v| v as f32).collect::<Vec<_>>());
+        let is_moved = |x: usize| (copied[x] - (x + 5) as f32).abs() < 1e-3;
+        assert!((0..14).all(is_moved), "{copied:?}");
     }
 
     #[test]
