@@ -54,7 +54,9 @@ pub mod gzip {
 /// Image → library: primaries, details, secondaries, categories, descriptors, palette.
 pub mod analyze {
     #[doc(inline)]
-    pub use vtex_analyze::{AnalyzeParams, Exemplar, Limits, analyze, borders_join};
+    pub use vtex_analyze::{
+        AnalysisMemory, AnalyzeParams, Exemplar, Limits, analyze, analyze_again, borders_join,
+    };
 }
 
 /// Files that control synthesis and editing: shapes, masks, maps, palettes.

@@ -3,11 +3,12 @@
 //! The map of layers is found with the primaries known, or painted. Borders go around large elements; small
 //! ones belong where their centre lies. Each stratum has a palette from its own pixels.
 
+use super::memory::LayersMemory;
 use super::{Exemplar, background};
 use vtex_base::error::Result;
 use vtex_base::progress::Progress;
 use vtex_base::raster::LabelMap;
-use vtex_field::layers::{Count, FindParams, LayerMap, find};
+use vtex_field::layers::{Count, FindParams, LayerMap, LayerSearch};
 use vtex_scene::element::ElementId;
 use vtex_scene::library::{AnalyzeParams, ExemplarElement, ExemplarInstance, ExemplarLayer, Role};
 use vtex_scene::scene::Field;
@@ -22,11 +23,12 @@ pub(super) struct PhotographStrata {
 
 impl PhotographStrata {
     /// Finds the layers of an exemplar, or takes painted ones. `primaries` has a label above 0 for each
-    /// known element.
+    /// known element. `memory` may have the search in the photograph.
     pub(super) fn new(
         exemplar: &Exemplar,
         primaries: &LabelMap,
         params: &AnalyzeParams,
+        memory: Option<&mut LayersMemory>,
         progress: &dyn Progress,
     ) -> Result<Self> {
         let order = || params.layer_order.iter().map(|&k| k as usize).collect::<Vec<_>>();
@@ -42,7 +44,15 @@ impl PhotographStrata {
                 let count = if count == 0 { Count::Auto } else { Count::Fixed(count as usize) };
                 let order = (!params.layer_order.is_empty()).then(order);
                 let wanted = FindParams { count, order, seed: params.seed };
-                let found = find(&exemplar.image, Some(primaries), &wanted, progress)?;
+                let fresh;
+                let search = match memory {
+                    Some(memory) => memory.of(&exemplar.image, params.seed, progress)?,
+                    None => {
+                        fresh = LayerSearch::new(&exemplar.image, params.seed, progress)?;
+                        &fresh
+                    }
+                };
+                let found = search.find(Some(primaries), &wanted, progress)?;
                 (found.map, Some(found.decision.why))
             }
         };
