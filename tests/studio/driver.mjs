@@ -72,17 +72,29 @@ export class Studio {
 
   /** Waits for a whole texture, after something that changes it. */
   async made(action) {
-    const { name, texture } = (await this.state()).work ?? {};
-    const isNew = work => work?.texture && !work.texture.draft && (work.name !== name || work.texture.number > (texture?.number ?? 0));
+    const { id, texture } = (await this.state()).work ?? {};
+    const isNew = work => work?.texture && !work.texture.draft && (work.id !== id || work.texture.number > (texture?.number ?? 0));
     const began = Date.now();
     await action();
     await this.until(({ work, busy, fault }) => fault || (!busy && isNew(work)));
     const seconds = (Date.now() - began) / 1000;
     const state = await this.state();
     assert.equal(state.fault, null);
-    const drawn = `${state.work.name} ${state.work.texture.number}`;
+    const drawn = `${state.work.id} ${state.work.texture.number}`;
     await this.page.waitForFunction(drawn => document.body.dataset.ready === "true" && document.body.dataset.drawn === drawn, drawn, { timeout: LONG });
     return seconds;
+  }
+
+  /** Seconds until a draft of a new texture is seen, and until the whole one is. */
+  async drafted(action) {
+    const { number } = (await this.state()).work.texture;
+    const begun = await this.page.evaluate(() => performance.now());
+    const seen = this.page.evaluate(number => new Promise(done => {
+      const look = () => (Number(document.body.dataset.drawn?.split(" ")[1]) > number ? done(performance.now()) : requestAnimationFrame(look));
+      look();
+    }), number);
+    const whole = await this.made(action);
+    return [(await seen - begun) / 1000, whole];
   }
 
   tab(name) {

@@ -24,7 +24,7 @@ pub use crate::arrange::controls::{Controls, StructureGuide};
 pub use crate::arrange::correspondence::Structure;
 pub use report::{CategoryReport, ClusterReport, SynthReport};
 pub use strata::{StratumReport, layer_map};
-pub use units::synthesize_with;
+pub use units::{SynthesisMemory, synthesize_again, synthesize_with};
 pub use vtex_scene::reconstruct::reconstruct;
 
 use crate::arrange::correspondence::no_guide;
@@ -35,6 +35,7 @@ use secondaries::PlacedSecondary;
 use strata::CanvasStrata;
 use vtex_base::error::{Error, Large, Result};
 use vtex_base::progress::{Progress, advance};
+use vtex_field::correspondence::PagesMemory;
 use vtex_scene::library::{Library, SourceKind};
 use vtex_scene::scene::field::Interpolant;
 use vtex_scene::scene::{Ablation, InstanceId, Layer, LibraryId, Method, Role, Scene, SynthParams, Weights};
@@ -61,6 +62,7 @@ fn in_pixels(
     libraries: &[Library],
     params: &SynthParams,
     controls: &Controls,
+    memory: Option<&PagesMemory>,
     progress: &dyn Progress,
 ) -> Result<(Scene, SynthReport)> {
     params.validate()?;
@@ -80,7 +82,7 @@ fn in_pixels(
     }
     let params = &keeping_apart(libraries, params);
     let mut model = PlacementModel::new(libraries, params);
-    let task = PlacementTask { libraries, controls, params, method, fixed: Vec::new() };
+    let task = PlacementTask { libraries, controls, params, method, memory, fixed: Vec::new() };
     let arrangement = arrange(&mut model, &task, progress)?;
 
     advance(progress, "background field", 0, 2)?;
@@ -230,7 +232,8 @@ pub(crate) fn primaries_alone(
     let controls = Controls::default();
     let mut model = PlacementModel::new(libraries, params);
     let method = Method::Descriptor;
-    let task = PlacementTask { libraries, controls: &controls, params, method, fixed: Vec::new() };
+    let task =
+        PlacementTask { libraries, controls: &controls, params, method, memory: None, fixed: Vec::new() };
     let arrangement = arrange(&mut model, &task, progress)?;
     let canvas = f64::from(params.width) * f64::from(params.height);
     let covered = arrangement.covered_before.iter().map(|&cells| cells as f64 / canvas).collect();
