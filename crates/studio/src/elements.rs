@@ -215,22 +215,14 @@ impl ElementMasks {
             let own = std::mem::take(&mut self.masks[i]);
             let wide = (0..by).fold(own, |mask, _| wider(&mask).within([0, 0], [w, h]));
             // What belongs to no other element.
-            let free = wide.spans().iter().flat_map(|span| {
-                let first = map.index(0, span.y as u32);
-                let row = &map.labels[first + span.x0 as usize..first + span.x1 as usize];
-                let mut x = span.x0;
-                row.chunk_by(|a, b| (*a == 0 || *a == label) == (*b == 0 || *b == label)).filter_map(
-                    move |run| {
-                        let x0 = std::mem::replace(&mut x, x + run.len() as i32);
-                        (run[0] == 0 || run[0] == label).then_some(Span {
-                            y: span.y,
-                            x0,
-                            x1: x0 + run.len() as i32,
-                        })
-                    },
-                )
-            });
-            let grown = Mask::from_spans(free.collect());
+            let mut free = Vec::new();
+            for &Span { y, x0, x1 } in wide.spans() {
+                let first = map.index(0, y as u32);
+                let is_free = |x: &i32| [0, label].contains(&map.labels[first + *x as usize]);
+                // Pixels beside one another become one run.
+                free.extend((x0..x1).filter(is_free).map(|x| Span { y, x0: x, x1: x + 1 }));
+            }
+            let grown = Mask::from_spans(free);
             map.fill(&grown, label);
             self.masks[i] = grown;
         }
