@@ -295,10 +295,33 @@ async function stopped() {
   await studio.stop();
 }
 
+/** The pictures of the documentation, by name only: tests/studio/run docs/images documentation */
+async function documentation() {
+  const studio = await Studio.start(folder("terrazzo.png"), ["--seed", "3", "terrazzo.png"], { viewport: { width: 1280, height: 800 } });
+  const { page } = studio;
+  await studio.made(async () => {});
+  await page.fill("#knob-size", "900");
+  await studio.made(async () => { await page.fill("[aria-label='Height of the canvas']", "760"); await page.keyboard.press("Tab"); });
+  await page.click("text=Variants");
+  await page.waitForFunction(() => document.querySelectorAll(".variants img").length === 6, null, { timeout: 60_000 });
+  await page.waitForFunction(() => [...document.querySelectorAll(".variants img")].every(image => image.naturalWidth > 0));
+  await studio.photograph("studio");
+  await studio.tab("mend");
+  const places = await studio.elements();
+  for (const [index, place] of [places[100], places[101]].entries()) {
+    if (index) await page.keyboard.down("Shift");
+    await page.mouse.click(...await studio.at(...place));
+  }
+  await page.keyboard.up("Shift");
+  await studio.photograph("studio-mend");
+  await studio.stop();
+}
+
 try {
-  // Parts by name, or all.
+  // Parts by name, or all but the pictures of the documentation.
   const named = process.argv.slice(2);
-  for (const part of [photograph, others, painted, stopped].filter(part => !named.length || named.includes(part.name))) {
+  const parts = [photograph, others, painted, stopped, documentation];
+  for (const part of parts.filter(part => named.length ? named.includes(part.name) : part !== documentation)) {
     console.log(part.name);
     await part();
   }

@@ -1,7 +1,7 @@
 // Starting the program and a browser, and what tests do with the page.
 
 import { execFileSync, spawn } from "node:child_process";
-import { mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { dirname, join } from "node:path";
@@ -139,6 +139,16 @@ export class Studio {
   async picture(name) {
     await this.page.waitForTimeout(350);
     if (PICTURES) await this.page.screenshot({ path: join(PICTURES, `${name}.png`) });
+  }
+
+  /** A picture for the documentation, of no more than 120 kB. */
+  async photograph(name) {
+    assert.ok(PICTURES, "name the folder of the pictures");
+    await this.page.waitForTimeout(500);
+    for (let quality = 88; ; quality -= 4) {
+      const picture = await this.page.screenshot({ type: "jpeg", quality });
+      if (picture.length <= 120_000) return writeFileSync(join(PICTURES, `${name}.jpg`), picture);
+    }
   }
 
   /** A place of the photograph on the screen. */
