@@ -168,7 +168,6 @@ fn what_is_drawn_is_kept_in_files_that_the_commands_name() {
     let folder = Folder::new();
     steering(&folder.path("."));
     let page = Page::open(&folder, "photo.png --seed 3");
-    page.refuses("draw", br#"{"size":[9,9],"path":[[1,1],[2,2],[3,1]]}"#, "");
     page.made();
     page.tell("set", &json!({ "name": "size", "value": "120x90" }));
     // A line that crosses itself encloses something all the same.

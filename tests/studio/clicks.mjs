@@ -205,7 +205,7 @@ async function others() {
 async function painted() {
   const studio = await Studio.start(folder("leaves.png"), ["leaves.png"]);
   const { page } = studio;
-  await studio.made(async () => {});
+  await studio.finished();
   await page.fill("#knob-size", "360");
   await studio.made(async () => { await page.fill("[aria-label='Height of the canvas']", "300"); await page.keyboard.press("Tab"); });
   const whole = (await studio.state()).work.texture.elements;
@@ -299,7 +299,7 @@ async function stopped() {
 async function documentation() {
   const studio = await Studio.start(folder("terrazzo.png"), ["--seed", "3", "terrazzo.png"], { viewport: { width: 1280, height: 800 } });
   const { page } = studio;
-  await studio.made(async () => {});
+  await studio.finished();
   await page.fill("#knob-size", "900");
   await studio.made(async () => { await page.fill("[aria-label='Height of the canvas']", "760"); await page.keyboard.press("Tab"); });
   await page.click("text=Variants");

@@ -70,6 +70,13 @@ export class Studio {
     }
   }
 
+  /** Waits until the texture is whole, and drawn. */
+  async finished() {
+    await this.until(({ work, busy }) => !busy && work?.texture && !work.texture.draft);
+    const { work } = await this.state();
+    await this.page.waitForFunction(drawn => document.body.dataset.drawn === drawn, `${work.id} ${work.texture.number}`, { timeout: LONG });
+  }
+
   /** Waits for a whole texture, after something that changes it. */
   async made(action) {
     const { id, texture } = (await this.state()).work ?? {};

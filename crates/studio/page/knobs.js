@@ -108,7 +108,7 @@ export class Steer {
       fill(this.seed, make("p", { textContent: "A scene is placed already. It can be changed and saved; to place its elements anew, open its library or its photograph." }));
     } else this.showSeed(work);
     // A control that is in use stays as it is.
-    if (!this.groups.contains(document.activeElement) || document.activeElement.tagName === "SUMMARY" || document.activeElement.dataset.key || this.of !== work.id) this.showGroups(work);
+    if (!this.groups.contains(document.activeElement) || document.activeElement.tagName === "SUMMARY" || (document.activeElement.dataset.key && document.activeElement.type !== "range") || this.of !== work.id) this.showGroups(work);
     else this.refresh(work);
   }
 
@@ -214,7 +214,7 @@ export class Steer {
       });
       const name = work.files[option]?.name;
       const drawing = this.paint.view.pen === pen;
-      const take = () => { this.paint.take(pen); this.showGroups(this.work); };
+      const take = () => this.paint.take(pen);
       return make("div", { className: name ? "knob set" : "knob" },
         make("div", { className: "head" }, make("span", { className: "label", textContent: title }),
           make("button", { type: "button", textContent: draw, "aria-pressed": String(drawing), disabled: !work.texture, "aria-label": `${title}: ${draw.toLowerCase()} it`, "data-key": `pen-${pen}`, onclick: take }),

@@ -252,6 +252,7 @@ function selectTab(name, focus = false) {
     find(tab.getAttribute("aria-controls")).hidden = !own;
     if (own && focus) tab.focus();
   }
+  if (name !== "steer" && view.pen) paint.take(view.pen);
   if (name === "mend" && state.work?.kind === "photograph") setView("elements");
   else if (name !== "mend" && view.mode === "elements") setView("texture");
 }

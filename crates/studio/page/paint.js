@@ -22,6 +22,7 @@ export class Paint {
       this.onview("texture");
     }
     this.follow(this.work);
+    this.onchange();
     this.view.draw();
   }
 
