@@ -273,6 +273,7 @@ async function painted() {
   await studio.made(() => page.selectOption("#open-files", { label: "other/leaves.png" }));
   assert.notEqual((await studio.state()).work.id, own);
   assert.deepEqual((await studio.state()).work.files, {});
+  studio.faults = studio.faults.filter(fault => !/ERR_|Failed to load/.test(fault));
   await studio.stop();
 }
 
