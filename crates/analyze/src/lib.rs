@@ -39,11 +39,10 @@ pub use vtex_scene::library::AnalyzeParams;
 
 use grid::Cells;
 use image::RgbImage;
-use memory::{ElementParts, ElementsMemory, LatticeMemory, LayersMemory};
+use memory::{ElementsMemory, KnownParts, LatticeMemory, LayersMemory};
 use partition::{Elements, Partition};
 use rate_distortion::RateDistortion;
 use shapes::ExemplarPieces;
-use std::sync::Arc;
 use strata::PhotographStrata;
 use vtex_base::document::Document as _;
 use vtex_base::error::Result;
@@ -200,7 +199,7 @@ struct ElementPieces {
 /// `known` has the parts of elements that are known from before.
 fn parts(
     partition: &Partition<'_>,
-    known: &[Option<Arc<ElementParts>>],
+    known: &KnownParts,
     layers: Option<&mut LayersMemory>,
     progress: &dyn Progress,
 ) -> Result<(BackgroundParts, ElementPieces)> {
@@ -226,7 +225,7 @@ fn parts(
 fn pieces(
     partition: &Partition<'_>,
     palette: &Field,
-    (parts, known, remembers): (ElementPieces, &[Option<Arc<ElementParts>>], Option<&mut ElementsMemory>),
+    (parts, known, remembers): (ElementPieces, &KnownParts, Option<&mut ElementsMemory>),
     warnings: &mut Vec<String>,
     progress: &dyn Progress,
 ) -> Result<ExemplarPieces> {
@@ -323,7 +322,7 @@ fn reach_of_details(partition: &Partition<'_>) -> usize {
 fn all_details(
     image: &Cells<RgbImage>,
     primaries: &[Cells<Mask>],
-    known: &[Option<Arc<ElementParts>>],
+    known: &KnownParts,
     params: &Cells<AnalyzeParams>,
 ) -> Vec<Vec<Cells<Mask>>> {
     let half = gaussian(params.detail_sigma);

@@ -90,6 +90,9 @@ pub(super) struct ElementParts {
     pub(super) shaded: Option<Shaded>,
 }
 
+/// For each primary its parts, if they are known from the last analysis.
+pub(super) type KnownParts = [Option<Arc<ElementParts>>];
+
 /// The parts of elements, by their masks, and what else they were made of.
 #[derive(Default)]
 pub(super) struct ElementsMemory(Option<KnownElements>);

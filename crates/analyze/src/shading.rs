@@ -2,12 +2,11 @@
 
 use super::grid::{Cells, SubpixelGrid};
 use super::joining;
-use super::memory::ElementParts;
+use super::memory::KnownParts;
 use super::partition::Partition;
 use super::pursuit::{PaintedWindow, ROUNDS, Rules, Shade};
 use super::rate_distortion::RateDistortion;
 use image::RgbImage;
-use std::sync::Arc;
 use vtex_base::error::Result;
 use vtex_base::parallel;
 use vtex_base::progress::Progress;
@@ -65,7 +64,7 @@ impl Shaded {
 pub(super) fn shaded(
     partition: &Partition<'_>,
     details: &[Vec<Cells<Mask>>],
-    known: &[Option<Arc<ElementParts>>],
+    known: &KnownParts,
     cost: RateDistortion,
     progress: &dyn Progress,
 ) -> Result<Vec<Shaded>> {

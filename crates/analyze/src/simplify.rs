@@ -4,7 +4,7 @@ use super::Behind;
 use super::grid::Cells;
 use super::ground::Ground;
 use super::joining;
-use super::memory::{ElementParts, ElementsMemory};
+use super::memory::{ElementParts, ElementsMemory, KnownParts};
 use super::palette::Palette;
 use super::partition::Partition;
 use super::patches::{self, FlatPatch};
@@ -35,11 +35,7 @@ const COLOURS: usize = 128;
 /// [`vtex_base::Error::Interrupted`].
 pub(super) fn simplify(
     partition: &Partition<'_>,
-    (details, known, remembers): (
-        &[Vec<Cells<Mask>>],
-        &[Option<Arc<ElementParts>>],
-        Option<&mut ElementsMemory>,
-    ),
+    (details, known, remembers): (&[Vec<Cells<Mask>>], &KnownParts, Option<&mut ElementsMemory>),
     patches: Vec<FlatPatch>,
     behind: &Behind<'_>,
     warnings: &mut Vec<String>,
@@ -92,7 +88,7 @@ pub(super) fn simplify(
 /// Keeps the parts of all elements, if there is a memory.
 fn remember(
     partition: &Partition<'_>,
-    (details, known): (&[Vec<Cells<Mask>>], &[Option<Arc<ElementParts>>]),
+    (details, known): (&[Vec<Cells<Mask>>], &KnownParts),
     shaded: Option<&[Shaded]>,
     memory: Option<&mut ElementsMemory>,
 ) {

@@ -161,7 +161,6 @@ fn in_units(error: Error, params: &SynthParams, scale: [f64; 2]) -> Error {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use vtex_base::document::Document as _;
     use vtex_scene::library::testing::{guided, mosaic};
 
     #[test]
