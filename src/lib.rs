@@ -54,7 +54,9 @@ pub mod gzip {
 /// Image → library: primaries, details, secondaries, categories, descriptors, palette.
 pub mod analyze {
     #[doc(inline)]
-    pub use vtex_analyze::{AnalyzeParams, Exemplar, Limits, analyze, borders_join};
+    pub use vtex_analyze::{
+        AnalysisMemory, AnalyzeParams, Exemplar, Limits, analyze, analyze_again, borders_join,
+    };
 }
 
 /// Files that control synthesis and editing: shapes, masks, maps, palettes.
@@ -204,7 +206,7 @@ pub mod output {
     /// written from one that somebody has worked on.
     pub mod seal {
         #[doc(inline)]
-        pub use vtex_output::seal::Sealed;
+        pub use vtex_output::seal::{Sealed, without_seal};
     }
     /// Scene → SVG: pure vectors in groups that designers find easy to navigate.
     pub mod svg {
@@ -339,7 +341,7 @@ pub mod synth {
     #[doc(inline)]
     pub use vtex_arrange::synth::{
         CategoryReport, ClusterReport, Controls, StratumReport, Structure, StructureGuide, SynthReport,
-        default_size, layer_map, reconstruct, synthesize, synthesize_with,
+        SynthesisMemory, default_size, layer_map, reconstruct, synthesize, synthesize_again, synthesize_with,
     };
 }
 

@@ -19,7 +19,7 @@ use super::values::Name;
 use image::RgbImage;
 use std::path::PathBuf;
 use vtex::Progress;
-use vtex::analyze::{Exemplar, Limits, borders_join};
+use vtex::analyze::{AnalysisMemory, Exemplar, Limits, analyze_again, borders_join};
 use vtex::engine::{EngineChoice, EngineOptions, NetworkSource, choose};
 use vtex::import::{ImportParams, import};
 use vtex::library::{AnalyzeParams, Library};
@@ -121,7 +121,7 @@ impl Analysis {
 /// Photograph or drawing → library; saves the masks if requested.
 pub(crate) fn analyze(common: &Common, analysis: &Analysis, reporter: &Reporter) -> anyhow::Result<Library> {
     reporter.stage("reading")?;
-    library_of(common, analysis, (analysis.input.read()?, None), reporter)
+    library_of(common, analysis, analysis.input.read()?, KnownBefore::default(), reporter)
 }
 
 /// Any texture as a scene: a scene is unchanged; a library, and the library made of a photograph or drawing,
@@ -129,16 +129,26 @@ pub(crate) fn analyze(common: &Common, analysis: &Analysis, reporter: &Reporter)
 pub(crate) fn texture(common: &Common, analysis: &Analysis, reporter: &Reporter) -> anyhow::Result<Scene> {
     let bytes = analysis.input.read()?;
     if matches!(input::InputKind::of(&bytes), input::InputKind::Image | input::InputKind::Svg) {
-        return Ok(reconstruct(&library_of(common, analysis, (bytes, None), reporter)?));
+        return Ok(reconstruct(&library_of(common, analysis, bytes, KnownBefore::default(), reporter)?));
     }
     reading::texture_of(bytes, &analysis.input)
 }
 
-/// The library of the bytes of a photograph or a drawing. `found` has the masks, if they are known already.
+/// What is known of a photograph before its analysis.
+#[derive(Default)]
+pub(crate) struct KnownBefore<'a> {
+    /// Its masks.
+    pub(crate) masks: Option<Box<dyn Segmenter>>,
+    /// What its last analysis left.
+    pub(crate) memory: Option<&'a mut AnalysisMemory>,
+}
+
+/// The library of the bytes of a photograph or a drawing.
 pub(crate) fn library_of(
     common: &Common,
     analysis: &Analysis,
-    (bytes, found): (Vec<u8>, Option<Box<dyn Segmenter>>),
+    bytes: Vec<u8>,
+    known: KnownBefore<'_>,
     reporter: &Reporter,
 ) -> anyhow::Result<Library> {
     let wanted = [input::InputKind::Image, input::InputKind::Svg, input::InputKind::Unknown];
@@ -167,7 +177,7 @@ pub(crate) fn library_of(
     if let Some(painted) = &analysis.layers.painted {
         exemplar.layers = Some(layer_maps::read(painted)?.layers()?);
     }
-    let segmenter = match found {
+    let segmenter = match known.masks {
         Some(found) => found,
         None => segmenter(common, analysis, reporter)?,
     };
@@ -175,7 +185,10 @@ pub(crate) fn library_of(
     let joins = || analysis.looks_at_borders && borders_join(&exemplar.image);
     let wrap = analysis.wrap.unwrap_or_else(joins);
     let parameters = AnalyzeParams { wrap, ..analysis.parameters.clone() };
-    let library = vtex::analyze::analyze(&exemplar, &saving, &parameters, reporter)?;
+    let library = match known.memory {
+        Some(memory) => analyze_again(&exemplar, &saving, &parameters, memory, reporter)?,
+        None => vtex::analyze::analyze(&exemplar, &saving, &parameters, reporter)?,
+    };
     reporter.picture("gaussians", &|| splat(&reconstruct(&library)));
     if let Some(save) = &analysis.layers.save {
         save.write(&layer_map(&library), [library.arrangement.periodic; 2], None)?;

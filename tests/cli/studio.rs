@@ -153,6 +153,56 @@ fn what_is_saved_is_what_the_commands_make_and_work_goes_on() {
     }
     assert_eq!(again["restored"], true);
     page.same(&folder, "svg");
+    // A seed of the command line is newer, and undo brings the other back.
+    drop(page);
+    let page = Page::open(&folder, "photo.png --seed 9");
+    assert_eq!(page.made()["seed"], "9");
+    let lines = page.same(&folder, "svg");
+    assert!(lines[..2].iter().all(|line| line.contains("--seed 9")), "{lines:?}");
+    page.tell("undo", &json!({}));
+    assert_eq!(page.made()["seed"], work["seed"]);
+}
+
+#[test]
+fn what_is_drawn_is_kept_in_files_that_the_commands_name() {
+    let folder = Folder::new();
+    steering(&folder.path("."));
+    let page = Page::open(&folder, "photo.png --seed 3");
+    page.made();
+    page.tell("set", &json!({ "name": "size", "value": "120x90" }));
+    // A line that crosses itself encloses something all the same.
+    let star = [[60, 5], [85, 85], [10, 35], [110, 35], [35, 85]];
+    page.tell("draw", &json!({ "size": [120, 90], "path": star }));
+    let lines = page.same(&folder, "svg");
+    assert!(lines[1].contains("--domain photo.domain.svg"), "{lines:?}");
+    let first = folder.read("photo.domain.svg");
+    page.tell("draw", &json!({ "size": [120, 90], "path": [[10, 10], [100, 10], [100, 80], [10, 80]] }));
+    assert!(folder.read("photo.domain.svg") != first && !folder.path("photo.domain-2.svg").exists());
+    page.tell("undo", &json!({}));
+    assert!(folder.read("photo.domain.svg") == first);
+    for (size, path) in [([0, 9], json!([[1, 1], [9, 1], [9, 9]])), ([9, 9], json!([[1, 1], [9, 9]]))] {
+        page.refuses("draw", json!({ "size": size, "path": path }).to_string().as_bytes(), "");
+    }
+    // A map that somebody else has put there is not replaced.
+    folder.write("photo.density.png", folder.read("ring.png"));
+    page.refuses("paint?option=density", b"no picture", "no PNG");
+    assert_eq!(page.call("POST", "paint", &folder.read("ring.png")).0, 200);
+    let lines = page.same(&folder, "svg");
+    assert!(lines[1].contains("--density photo.density-2.png"), "{lines:?}");
+    assert_eq!(page.call("GET", "picture?of=density", b"").1, folder.read("photo.density-2.png"));
+    // Colours of a palette.
+    assert_eq!(page.call("POST", "side?option=palette&name=my%20colours.txt", b"#102030\n#d0c0b0\n").0, 200);
+    let lines = page.same(&folder, "svg");
+    assert!(lines[2].contains("my colours.txt"), "{lines:?}");
+    page.refuses("side?option=palette&name=x.txt", b"nothing", "");
+    let work = page.made();
+    drop(page);
+    let page = Page::open(&folder, "photo.png");
+    let again = page.made();
+    assert_eq!([&again["files"], &again["operations"]], [&work["files"], &work["operations"]]);
+    page.same(&folder, "svg");
+    assert_eq!(page.call("POST", "side?option=palette", b"").0, 200);
+    assert_eq!(page.made()["operations"], json!([]));
 }
 
 #[test]

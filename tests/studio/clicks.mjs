@@ -1,6 +1,6 @@
 // What a user does in the studio, by clicking; what is saved is what the copied command makes.
 
-import { copyFileSync, existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { copyFileSync, existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import assert from "node:assert/strict";
@@ -16,7 +16,7 @@ function folder(...exemplars) {
   return made;
 }
 
-const told = (text, seconds) => console.log(`  ${text}${seconds === undefined ? "" : `: ${seconds.toFixed(2)} s`}`);
+const told = (text, ...seconds) => console.log(`  ${text}: ${seconds.map(one => `${one.toFixed(2)} s`).join(", ")}`);
 
 async function photograph() {
   const studio = await Studio.start(folder(), []);
@@ -33,7 +33,7 @@ async function photograph() {
   await studio.tab("steer");
   await page.fill("#knob-size", "600");
   await studio.made(async () => { await page.fill("[aria-label='Height of the canvas']", "600"); await page.keyboard.press("Tab"); });
-  told("a knob turned to a whole texture at 600 x 600", await studio.made(() => page.click("text=Dice")));
+  told("a knob turned to a draft at 600 x 600, and to the whole", ...await studio.drafted(() => page.click("text=Dice")));
   await studio.made(() => page.selectOption("#knob-tile", "both"));
   await studio.made(async () => { await page.fill("#knob-rotate", "25"); await page.keyboard.press("Tab"); });
   await studio.made(() => page.check("#knob-mirror"));
@@ -67,7 +67,7 @@ async function photograph() {
   await studio.picture("mend");
   await studio.accessible("mend");
   await page.mouse.click(...await studio.at(...places[0]));
-  told("an element deleted to a new texture", await studio.made(() => page.keyboard.press("Delete")));
+  told("an element deleted to a draft of the new texture, and to the whole", ...await studio.drafted(() => page.keyboard.press("Delete")));
   assert.equal((await studio.state()).work.elements.count, found - 1);
   assert.ok(existsSync(join(studio.folder, "terrazzo.masks.json")));
   const [a, b] = await studio.elements();
@@ -201,6 +201,82 @@ async function others() {
   await studio.stop();
 }
 
+/** What is painted on the texture, categories left out, a palette from a picture; two files of one name. */
+async function painted() {
+  const studio = await Studio.start(folder("leaves.png"), ["leaves.png"]);
+  const { page } = studio;
+  await studio.finished();
+  await page.fill("#knob-size", "360");
+  await studio.made(async () => { await page.fill("[aria-label='Height of the canvas']", "300"); await page.keyboard.press("Tab"); });
+  const whole = (await studio.state()).work.texture.elements;
+  const stroke = async (...places) => {
+    const [first, ...others] = await Promise.all(places.map(place => studio.at(...place)));
+    await page.mouse.move(...first);
+    await page.mouse.down();
+    for (const place of others) await page.mouse.move(...place, { steps: 4 });
+    await page.mouse.up();
+  };
+  // Density: nothing in a band across the middle.
+  await page.click("[data-key=pen-density]");
+  await page.click("[data-key=density-0]");
+  await studio.made(() => stroke([10, 150], [350, 150]));
+  const thinner = (await studio.state()).work.texture.elements;
+  assert.ok(thinner < 0.9 * whole, `${thinner} of ${whole}`);
+  assert.ok(existsSync(join(studio.folder, "leaves.density.png")));
+  await studio.picture("density");
+  await studio.accessible("density");
+  const first = readFileSync(join(studio.folder, "leaves.density.png"));
+  await page.click("[data-key=density-2]");
+  await studio.made(() => stroke([30, 40], [330, 40]));
+  assert.ok(!readFileSync(join(studio.folder, "leaves.density.png")).equals(first), "the map is painted further, in its file");
+  // Undo brings the file back, byte by byte.
+  await studio.made(() => page.click("#undo"));
+  assert.ok(readFileSync(join(studio.folder, "leaves.density.png")).equals(first));
+  await studio.made(() => page.click("#redo"));
+  const dense = await studio.same("svg");
+  assert.match(dense.command, /--density leaves\.density\.png/);
+  await studio.tab("steer");
+  await studio.made(() => page.click("[data-key=reset-density]"));
+  // A shape, drawn.
+  await page.click("[data-key=pen-shape]");
+  await studio.made(() => stroke([40, 40], [320, 60], [300, 260], [150, 280], [40, 200], [40, 40]));
+  await studio.picture("shape");
+  await studio.accessible("shape");
+  await page.click("[data-key=pen-shape]");
+  const shaped = await studio.same("svg");
+  assert.match(shaped.command, /--domain leaves\.domain\.svg/);
+  // A category left out, and colours of a picture.
+  await studio.tab("change");
+  const before = (await studio.state()).work.texture;
+  await studio.made(() => page.click("[data-key=out-1]"));
+  const left = (await studio.state()).work.texture.elements;
+  assert.equal(left, before.elements - before.categories[0].elements);
+  await studio.made(() => page.setInputFiles("[aria-label='Palette from a picture']", join(EXEMPLARS, "flowers.png")));
+  const recoloured = await studio.same("svg");
+  assert.match(recoloured.command, /--op 'palette flowers\.colours\.txt' --op 'thin 0 --where category=1'/);
+  await studio.tab("change");
+  await studio.picture("palette");
+  await studio.accessible("palette");
+  await studio.made(() => page.click("[data-key=palette-reset]"));
+  assert.deepEqual((await studio.state()).work.operations, ["thin 0 --where category=1"]);
+  // It goes on after a restart with what was drawn.
+  await studio.kill();
+  studio.faults = studio.faults.filter(fault => !/ERR_|Failed to load/.test(fault));
+  // Another file of the same name is another.
+  mkdirSync(join(studio.folder, "other"));
+  copyFileSync(join(EXEMPLARS, "terrazzo.png"), join(studio.folder, "other", "leaves.png"));
+  await studio.run(["leaves.png", "other/leaves.png"]);
+  await studio.until(({ work, busy }) => !busy && work?.texture && !work.texture.draft);
+  assert.ok((await studio.state()).work.files.domain.drawn);
+  await studio.same("svg");
+  const own = (await studio.state()).work.id;
+  await studio.made(() => page.selectOption("#open-files", { label: "other/leaves.png" }));
+  assert.notEqual((await studio.state()).work.id, own);
+  assert.deepEqual((await studio.state()).work.files, {});
+  studio.faults = studio.faults.filter(fault => !/ERR_|Failed to load/.test(fault));
+  await studio.stop();
+}
+
 /** Long work is told and can be stopped. */
 async function stopped() {
   const studio = await Studio.start(folder("pebbles.png"), ["pebbles.png"]);
@@ -220,10 +296,33 @@ async function stopped() {
   await studio.stop();
 }
 
+/** The pictures of the documentation, by name only: tests/studio/run docs/images documentation */
+async function documentation() {
+  const studio = await Studio.start(folder("terrazzo.png"), ["--seed", "3", "terrazzo.png"], { viewport: { width: 1280, height: 800 } });
+  const { page } = studio;
+  await studio.finished();
+  await page.fill("#knob-size", "900");
+  await studio.made(async () => { await page.fill("[aria-label='Height of the canvas']", "760"); await page.keyboard.press("Tab"); });
+  await page.click("text=Variants");
+  await page.waitForFunction(() => document.querySelectorAll(".variants img").length === 6, null, { timeout: 60_000 });
+  await page.waitForFunction(() => [...document.querySelectorAll(".variants img")].every(image => image.naturalWidth > 0));
+  await studio.photograph("studio");
+  await studio.tab("mend");
+  const places = await studio.elements();
+  for (const [index, place] of [places[100], places[101]].entries()) {
+    if (index) await page.keyboard.down("Shift");
+    await page.mouse.click(...await studio.at(...place));
+  }
+  await page.keyboard.up("Shift");
+  await studio.photograph("studio-mend");
+  await studio.stop();
+}
+
 try {
-  // Parts by name, or all.
+  // Parts by name, or all but the pictures of the documentation.
   const named = process.argv.slice(2);
-  for (const part of [photograph, others, stopped].filter(part => !named.length || named.includes(part.name))) {
+  const parts = [photograph, others, painted, stopped, documentation];
+  for (const part of parts.filter(part => named.length ? named.includes(part.name) : part !== documentation)) {
     console.log(part.name);
     await part();
   }

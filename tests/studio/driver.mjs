@@ -1,7 +1,7 @@
 // Starting the program and a browser, and what tests do with the page.
 
 import { execFileSync, spawn } from "node:child_process";
-import { mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { dirname, join } from "node:path";
@@ -70,19 +70,38 @@ export class Studio {
     }
   }
 
+  /** Waits until the texture is whole, and drawn. */
+  async finished() {
+    await this.until(({ work, busy }) => !busy && work?.texture && !work.texture.draft);
+    const { work } = await this.state();
+    await this.page.waitForFunction(drawn => document.body.dataset.drawn === drawn, `${work.id} ${work.texture.number}`, { timeout: LONG });
+  }
+
   /** Waits for a whole texture, after something that changes it. */
   async made(action) {
-    const { name, texture } = (await this.state()).work ?? {};
-    const isNew = work => work?.texture && !work.texture.draft && (work.name !== name || work.texture.number > (texture?.number ?? 0));
+    const { id, texture } = (await this.state()).work ?? {};
+    const isNew = work => work?.texture && !work.texture.draft && (work.id !== id || work.texture.number > (texture?.number ?? 0));
     const began = Date.now();
     await action();
     await this.until(({ work, busy, fault }) => fault || (!busy && isNew(work)));
     const seconds = (Date.now() - began) / 1000;
     const state = await this.state();
     assert.equal(state.fault, null);
-    const drawn = `${state.work.name} ${state.work.texture.number}`;
+    const drawn = `${state.work.id} ${state.work.texture.number}`;
     await this.page.waitForFunction(drawn => document.body.dataset.ready === "true" && document.body.dataset.drawn === drawn, drawn, { timeout: LONG });
     return seconds;
+  }
+
+  /** Seconds until a draft of a new texture is seen, and until the whole one is. */
+  async drafted(action) {
+    const { number } = (await this.state()).work.texture;
+    const begun = await this.page.evaluate(() => performance.now());
+    const seen = this.page.evaluate(number => new Promise(done => {
+      const look = () => (Number(document.body.dataset.drawn?.split(" ")[1]) > number ? done(performance.now()) : requestAnimationFrame(look));
+      look();
+    }), number);
+    const whole = await this.made(action);
+    return [(await seen - begun) / 1000, whole];
   }
 
   tab(name) {
@@ -127,6 +146,16 @@ export class Studio {
   async picture(name) {
     await this.page.waitForTimeout(350);
     if (PICTURES) await this.page.screenshot({ path: join(PICTURES, `${name}.png`) });
+  }
+
+  /** A picture for the documentation, of no more than 120 kB. */
+  async photograph(name) {
+    assert.ok(PICTURES, "name the folder of the pictures");
+    await this.page.waitForTimeout(500);
+    for (let quality = 88; ; quality -= 4) {
+      const picture = await this.page.screenshot({ type: "jpeg", quality });
+      if (picture.length <= 120_000) return writeFileSync(join(PICTURES, `${name}.jpg`), picture);
+    }
   }
 
   /** A place of the photograph on the screen. */

@@ -14,6 +14,7 @@ mod grid;
 mod ground;
 mod joining;
 mod margin;
+mod memory;
 mod moments;
 mod neighbours;
 mod palette;
@@ -32,11 +33,13 @@ mod unmix;
 
 pub use borders::borders_join;
 pub use exemplar::Exemplar;
+pub use memory::AnalysisMemory;
 pub use vtex_base::raster::Limits;
 pub use vtex_scene::library::AnalyzeParams;
 
 use grid::Cells;
 use image::RgbImage;
+use memory::{ElementsMemory, KnownParts, LatticeMemory, LayersMemory};
 use partition::{Elements, Partition};
 use rate_distortion::RateDistortion;
 use shapes::ExemplarPieces;
@@ -91,10 +94,36 @@ pub fn analyze(
     params: &AnalyzeParams,
     progress: &dyn Progress,
 ) -> Result<Library> {
+    analyzed(exemplar, segmenter, params, None, progress)
+}
+
+/// [`analyze`] with a memory of the last analysis, from which results are taken over where all that they are made from
+/// is the same. The library is that of [`analyze`]. It is soon made if only a few masks have changed. After an
+/// analysis that was stopped, the memory can be used as before.
+///
+/// # Errors
+/// Those of [`analyze`].
+pub fn analyze_again(
+    exemplar: &Exemplar,
+    segmenter: &dyn Segmenter,
+    params: &AnalyzeParams,
+    memory: &mut AnalysisMemory,
+    progress: &dyn Progress,
+) -> Result<Library> {
+    analyzed(exemplar, segmenter, params, Some(memory), progress)
+}
+
+fn analyzed(
+    exemplar: &Exemplar,
+    segmenter: &dyn Segmenter,
+    params: &AnalyzeParams,
+    memory: Option<&mut AnalysisMemory>,
+    progress: &dyn Progress,
+) -> Result<Library> {
     params.validate()?;
     let (width, height) = exemplar.image.dimensions();
     let reduced = reduced::reduced(exemplar, segmenter, params, progress)?;
-    let library = analyze_whole(&reduced, [width, height], segmenter, params, progress)?;
+    let library = analyze_whole(&reduced, [width, height], (segmenter, params), memory, progress)?;
     if reduced.image.dimensions() == (width, height) {
         return Ok(library);
     }
@@ -110,20 +139,27 @@ pub fn analyze(
 fn analyze_whole(
     exemplar: &Exemplar,
     whole: [u32; 2],
-    segmenter: &dyn Segmenter,
-    params: &AnalyzeParams,
+    (segmenter, params): (&dyn Segmenter, &AnalyzeParams),
+    mut memory: Option<&mut AnalysisMemory>,
     progress: &dyn Progress,
 ) -> Result<Library> {
     let masks = segmenter.segment_reduced(&exemplar.image, whole, progress)?;
     progress.picture("masks", &|| pictures::masks(&exemplar.image, &masks));
     advance(progress, "primaries", 0, 1)?;
-    let partition = Partition::new(exemplar, &masks, params);
+    let partition = Partition::new(exemplar, &masks, params, memory.as_mut().map(|m| &mut m.enlarged));
     progress.picture("primaries", &|| outlines(&partition.image, &partition.labels));
     advance(progress, "details", 0, partition.primaries.len() as u64)?;
-    let (strata, parts) = parts(&partition, progress)?;
+    let (known, layers) = match &mut memory {
+        Some(memory) => {
+            (memory.elements.of(&partition, reach_of_details(&partition)), Some(&mut memory.layers))
+        }
+        None => (vec![None; partition.primaries.len()], None),
+    };
+    let (strata, parts) = parts(&partition, &known, layers, progress)?;
     advance(progress, "joining", 0, 1)?;
     let mut warnings = exemplar.warnings.clone();
-    let pieces = pieces(&partition, &strata, parts, &mut warnings, progress)?;
+    let remembers = memory.as_mut().map(|memory| &mut memory.elements);
+    let pieces = pieces(&partition, &strata, (parts, &known, remembers), &mut warnings, progress)?;
     advance(progress, "outlines", 0, 1)?;
     let shapes = shapes::outlines(&partition, &pieces);
     advance(progress, "categories", 0, 1)?;
@@ -133,7 +169,8 @@ fn analyze_whole(
         progress.warn(warning);
     }
     let source = Source { warnings, ..source(exemplar, segmenter, params) };
-    let library = library(exemplar, elements, strata, source, progress);
+    let lattice = memory.map(|memory| &mut memory.lattice);
+    let library = library(exemplar, elements, (strata, lattice), source, progress);
     debug_assert_eq!(library.validate(), Ok(()));
     Ok(library)
 }
@@ -146,7 +183,13 @@ struct ElementPieces {
 }
 
 /// Second stage: the details of primaries, joined secondaries, and the layers with their backgrounds.
-fn parts(partition: &Partition<'_>, progress: &dyn Progress) -> Result<(PhotographStrata, ElementPieces)> {
+/// `known` has the parts of elements that are known from before.
+fn parts(
+    partition: &Partition<'_>,
+    known: &KnownParts,
+    layers: Option<&mut LayersMemory>,
+    progress: &dyn Progress,
+) -> Result<(PhotographStrata, ElementPieces)> {
     let Partition { exemplar, params, in_cells, clean, .. } = partition;
     let primaries = partition.margin.inner(&partition.labels);
     let textons = partition.textons();
@@ -155,8 +198,8 @@ fn parts(partition: &Partition<'_>, progress: &dyn Progress) -> Result<(Photogra
         joining::join_secondaries(clean, &partition.patches, cost, in_cells.secondary_maximum)
     };
     let tasks = SideBySide::new(progress, "details");
-    let strata = || PhotographStrata::new(exemplar, [&primaries, &textons], params, &tasks.silent());
-    let details = || all_details(clean, &partition.primaries, in_cells);
+    let strata = || PhotographStrata::new(exemplar, [&primaries, &textons], params, layers, &tasks.silent());
+    let details = || all_details(clean, &partition.primaries, known, in_cells);
     let (strata, (details, secondaries)) = parallel::join(strata, || parallel::join(details, secondaries));
     let strata = strata?;
     progress.picture("background", &|| pictures::background(&exemplar.image, &textons, &strata.fields));
@@ -167,21 +210,22 @@ fn parts(partition: &Partition<'_>, progress: &dyn Progress) -> Result<(Photogra
 fn pieces(
     partition: &Partition<'_>,
     strata: &PhotographStrata,
-    parts: ElementPieces,
+    (parts, known, remembers): (ElementPieces, &KnownParts, Option<&mut ElementsMemory>),
     warnings: &mut Vec<String>,
     progress: &dyn Progress,
 ) -> Result<ExemplarPieces> {
     let wrap = partition.params.wrap;
     let behind = strata.behind(&partition.margin, Tile { x: wrap, y: wrap });
     let patches = patches::flat_patches(&partition.clean, parts.secondaries, partition.grid, &behind);
-    simplify::simplify(partition, &parts.details, patches, &behind, warnings, progress)
+    let details = (&parts.details[..], known, remembers);
+    simplify::simplify(partition, details, patches, &behind, warnings, progress)
 }
 
 /// Last stage: elements by category in their layers.
 fn library(
     exemplar: &Exemplar,
     elements: Elements,
-    strata: PhotographStrata,
+    (strata, lattice): (PhotographStrata, Option<&mut LatticeMemory>),
     source: Source,
     progress: &dyn Progress,
 ) -> Library {
@@ -208,7 +252,7 @@ fn library(
         categories,
         arrangement: Arrangement { periodic: params.wrap, ..Arrangement::from_labels(&labels) },
         descriptor_half,
-        lattice: guide.lattice(false),
+        lattice: lattice.map_or_else(|| guide.lattice(false), |known| known.of(&guide)),
         motifs: Vec::new(),
         guide: Some(guide),
     }
@@ -248,14 +292,24 @@ fn source(exemplar: &Exemplar, segmenter: &dyn Segmenter, params: &AnalyzeParams
     }
 }
 
-/// The details of each primary.
+/// How far beyond the bounds of a primary colours count for its details, in cells.
+fn reach_of_details(partition: &Partition<'_>) -> usize {
+    gaussian(partition.in_cells.detail_sigma).len()
+}
+
+/// The details of each primary, those that are known among them.
 fn all_details(
     image: &Cells<RgbImage>,
     primaries: &[Cells<Mask>],
+    known: &KnownParts,
     params: &Cells<AnalyzeParams>,
 ) -> Vec<Vec<Cells<Mask>>> {
     let half = gaussian(params.detail_sigma);
-    parallel::map(primaries, |mask| {
+    let all: Vec<_> = primaries.iter().zip(known).collect();
+    parallel::map(&all, |(mask, known)| {
+        if let Some(known) = known {
+            return known.details.clone();
+        }
         let details = details(image, &half, mask, params.detail_scale, params.detail_minimum);
         details.into_iter().map(Cells).collect()
     })

@@ -2,6 +2,7 @@
 
 use super::grid::{Cells, SubpixelGrid};
 use super::margin::Margin;
+use super::memory::EnlargedMemory;
 use super::unmix::unmixed;
 use super::{Exemplar, candidates, secondaries};
 use image::RgbImage;
@@ -53,20 +54,33 @@ pub(super) struct Elements {
 }
 
 impl<'a> Partition<'a> {
-    pub(super) fn new(exemplar: &'a Exemplar, masks: &[ScoredMask], params: &'a AnalyzeParams) -> Self {
+    pub(super) fn new(
+        exemplar: &'a Exemplar,
+        masks: &[ScoredMask],
+        params: &'a AnalyzeParams,
+        memory: Option<&mut EnlargedMemory>,
+    ) -> Self {
         let primaries = candidates::select(&exemplar.image, masks, params.minimum_area);
         let size = exemplar.image.dimensions().into();
         let margin = if params.wrap { Margin::new(&primaries) } else { Margin::none(size) };
         let (mut labels, cut) = margin.primaries(primaries);
         let image = margin.image(&exemplar.image);
         let grid = SubpixelGrid::new(&exemplar.image, params);
-        let (fine, in_cells) = (grid.image(&image), grid.params(params));
-        let mut cells = grid.labels(&image, &fine, &labels);
-        let mut clean = own_colours(&fine, &cells, grid, params);
+        let (enlarge, in_cells) = (|| grid.image(&image), grid.params(params));
+        let fresh;
+        let fine = match memory {
+            Some(memory) => memory.of(&image, grid.cells, enlarge),
+            None => {
+                fresh = enlarge();
+                &fresh
+            }
+        };
+        let mut cells = grid.labels(&image, fine, &labels);
+        let mut clean = own_colours(fine, &cells, grid, params);
         let patches = secondaries::find(&clean, &cells, &in_cells);
         promote(&mut labels, &mut cells, &patches.promoted, grid);
         if !patches.promoted.is_empty() {
-            clean = own_colours(&fine, &cells, grid, params);
+            clean = own_colours(fine, &cells, grid, params);
         }
         let count = cells.labels.iter().max().map_or(0, |m| *m as usize);
         let primaries = Mask::all_of_labels(&cells, count + 1).split_off(1).into_iter().map(Cells).collect();

@@ -10,6 +10,7 @@ use std::collections::BTreeSet;
 use std::sync::LazyLock;
 use vtex_base::error::Result;
 use vtex_base::geometry::Point;
+use vtex_base::parallel;
 use vtex_base::progress::{Progress, advance};
 use vtex_base::raster::colour::Colour;
 use vtex_scene::element::{Ellipse, Profile};
@@ -94,6 +95,7 @@ struct EllipseFit {
 }
 
 /// A place where an ellipse may stand.
+#[derive(Clone)]
 struct Candidate {
     gain: f64,
     centre: [f64; 2],
@@ -261,15 +263,13 @@ impl PaintedWindow {
             let all = self.weight.iter().zip(&self.target).zip(&self.painted);
             all.map(|((w, t), p)| w * (t[c] - p[c])).collect()
         });
-        let mut found = Vec::new();
-        for (i, level) in pyramid.iter().enumerate() {
-            if i > 0 {
-                let finer = &pyramid[i - 1];
-                errors = errors.map(|plane| halved(&plane, finer.width, finer.height));
-            }
-            level.peaks(&errors, least, &mut found);
+        let mut levels = Vec::with_capacity(pyramid.len());
+        for level in pyramid {
+            let coarser = errors.each_ref().map(|plane| halved(plane, level.width, level.height));
+            levels.push((level, std::mem::replace(&mut errors, coarser)));
         }
-        found
+        let each: Vec<_> = levels.iter().flat_map(|level| [(level, 0), (level, 1)]).collect();
+        parallel::map(&each, |((level, errors), radius)| level.peaks(errors, *radius, least)).concat()
     }
 
     /// Paints an ellipse near a candidate if it reduces the error by `least`, and is permitted.
@@ -460,30 +460,31 @@ impl Level {
         }
     }
 
-    /// Adds the peaks of the reduction of the error by circles. `errors` are weighted, by component.
-    fn peaks(&self, errors: &[Vec<f32>; 3], least: f64, found: &mut Vec<Candidate>) {
+    /// The peaks of the reduction of the error by circles of one of [`RADII`]. `errors` are weighted, by component.
+    fn peaks(&self, errors: &[Vec<f32>; 3], radius: usize, least: f64) -> Vec<Candidate> {
         let (width, height) = (self.width, self.height);
-        for (radius, weights) in RADII.into_iter().zip(&self.weights) {
-            let kernel = kernel(radius, 4.0);
-            let errors = errors.each_ref().map(|plane| blurred(plane, width, &kernel));
-            let gains: Vec<f32> = (0..width * height)
-                .map(|i| {
-                    let squares: f32 = (0..3).map(|c| errors[c][i] * errors[c][i]).sum();
-                    squares / weights[i].max(0.5)
-                })
-                .collect();
-            for (i, &gain) in gains.iter().enumerate().filter(|(_, gain)| f64::from(**gain) >= least) {
-                let (x, y) = (i % width, i / width);
-                let mut around = (y.saturating_sub(1)..(y + 2).min(height))
-                    .flat_map(|v| (x.saturating_sub(1)..(x + 2).min(width)).map(move |u| v * width + u));
-                // Of equals the first is the peak.
-                let is_peak = around.all(|k| k == i || gains[k] < gain || (gains[k] == gain && k > i));
-                if is_peak {
-                    let centre = [x, y].map(|v| (v as f64 + 0.5) * self.scale);
-                    found.push(Candidate { gain: gain.into(), centre, radius: radius * self.scale });
-                }
+        let (radius, weights) = (RADII[radius], &self.weights[radius]);
+        let kernel = kernel(radius, 4.0);
+        let errors = errors.each_ref().map(|plane| blurred(plane, width, &kernel));
+        let gains: Vec<f32> = (0..width * height)
+            .map(|i| {
+                let squares: f32 = (0..3).map(|c| errors[c][i] * errors[c][i]).sum();
+                squares / weights[i].max(0.5)
+            })
+            .collect();
+        let mut found = Vec::new();
+        for (i, &gain) in gains.iter().enumerate().filter(|(_, gain)| f64::from(**gain) >= least) {
+            let (x, y) = (i % width, i / width);
+            let mut around = (y.saturating_sub(1)..(y + 2).min(height))
+                .flat_map(|v| (x.saturating_sub(1)..(x + 2).min(width)).map(move |u| v * width + u));
+            // Of equals the first is the peak.
+            let is_peak = around.all(|k| k == i || gains[k] < gain || (gains[k] == gain && k > i));
+            if is_peak {
+                let centre = [x, y].map(|v| (v as f64 + 0.5) * self.scale);
+                found.push(Candidate { gain: gain.into(), centre, radius: radius * self.scale });
             }
         }
+        found
     }
 }
 

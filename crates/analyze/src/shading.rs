@@ -2,6 +2,7 @@
 
 use super::grid::{Cells, SubpixelGrid};
 use super::joining;
+use super::memory::KnownParts;
 use super::partition::Partition;
 use super::pursuit::{PaintedWindow, ROUNDS, Rules, Shade};
 use super::rate_distortion::RateDistortion;
@@ -29,6 +30,7 @@ const RULES: Rules = Rules {
 };
 
 /// An element's pieces and what shades them.
+#[derive(Clone)]
 pub(super) struct Shaded {
     pub(super) details: Vec<Cells<Mask>>,
     pub(super) shades: Vec<Shade>,
@@ -54,18 +56,24 @@ impl Shaded {
     }
 }
 
-/// Pieces and soft ellipses of each element: as few pieces as their edges need, or one, whichever is cheaper.
+/// Pieces and soft ellipses of each element: as few pieces as their edges need, or one, whichever is cheaper. Those
+/// that are known are taken over.
 ///
 /// # Errors
 /// [`vtex_base::Error::Interrupted`].
 pub(super) fn shaded(
     partition: &Partition<'_>,
     details: &[Vec<Cells<Mask>>],
+    known: &KnownParts,
     cost: RateDistortion,
     progress: &dyn Progress,
 ) -> Result<Vec<Shaded>> {
     let (image, grid) = (&partition.clean, partition.grid);
-    let all = parallel::map(details, |masks| {
+    let all: Vec<_> = details.iter().zip(known).collect();
+    let all = parallel::map(&all, |(masks, known)| {
+        if let Some(shaded) = known.as_ref().and_then(|known| known.shaded.as_ref()) {
+            return Ok(shaded.clone());
+        }
         let pieces = joining::join(image, masks, cost.dearer(PIECES));
         let whole = Cells(Mask::from_spans(masks.iter().flat_map(|m| m.spans()).copied().collect()));
         let one = Shaded::new(image, vec![whole], cost, grid, progress)?;

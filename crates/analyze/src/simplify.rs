@@ -3,16 +3,18 @@
 use super::grid::Cells;
 use super::ground::Ground;
 use super::joining;
+use super::memory::{ElementParts, ElementsMemory, KnownParts};
 use super::palette::Palette;
 use super::partition::Partition;
 use super::patches::{self, FlatPatch};
 use super::pursuit::Shade;
 use super::rate_distortion::RateDistortion;
-use super::shading;
+use super::shading::{self, Shaded};
 use super::shapes::ExemplarPieces;
 use super::strata::BehindElements;
 use image::RgbImage;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 use vtex_base::error::Result;
 use vtex_base::parallel;
 use vtex_base::progress::{Progress, SideBySide};
@@ -25,13 +27,15 @@ const COLOURS: usize = 128;
 
 /// Joins details, shades them softly, and drops patches that cost more bytes than they save error, or that spots
 /// replace. If `max_paths` is above 0, the cost of a byte rises until at most that many shapes remain; a warning
-/// says if the primaries alone exceed it. Then, if colours are limited, clusters those of all pieces, and joins neighbouring details of one colour.
+/// says if the primaries alone exceed it. Then, if colours are limited, clusters those of all pieces, and joins
+/// neighbouring details of one colour. Elements whose parts are `known` are not shaded again; `remembers` keeps the
+/// parts of all.
 ///
 /// # Errors
 /// [`vtex_base::Error::Interrupted`].
 pub(super) fn simplify(
     partition: &Partition<'_>,
-    details: &[Vec<Cells<Mask>>],
+    (details, known, remembers): (&[Vec<Cells<Mask>>], &KnownParts, Option<&mut ElementsMemory>),
     patches: Vec<FlatPatch>,
     behind: &BehindElements<'_>,
     warnings: &mut Vec<String>,
@@ -64,19 +68,37 @@ pub(super) fn simplify(
         cost = cost.dearer(shading::DEARER);
         let tasks = SideBySide::new(progress, "joining");
         let (shaded, ground) = parallel::join(
-            || shading::shaded(partition, details, cost, &tasks.silent()),
+            || shading::shaded(partition, details, known, cost, &tasks.silent()),
             || Ground::new(partition, secondaries, cost, behind, &tasks.silent()),
         );
         let (mut shaded, mut ground) = (shaded?, ground?);
+        remember(partition, (details, known), Some(&shaded), remembers);
         let spots = ground.spots.iter_mut().map(|spot| &mut spot.shade);
         share_colours(shaded.iter_mut().flat_map(|s| &mut s.shades).chain(spots), params.seed);
         let Ground { patches: secondaries, spots } = ground;
         let (details, shades) = shaded.into_iter().map(|s| (s.details, s.shades)).unzip();
         return Ok(ExemplarPieces { details, shades, secondaries, spots, cost, palette });
     }
+    remember(partition, (details, known), None, remembers);
     let (details, shades) = (join(cost), vec![Vec::new(); details.len()]);
     let pieces = ExemplarPieces { details, shades, secondaries, spots: Vec::new(), cost, palette };
     Ok(if params.colors == 0 { pieces } else { reduce_colours(clean, pieces, params) })
+}
+
+/// Keeps the parts of all elements, if there is a memory.
+fn remember(
+    partition: &Partition<'_>,
+    (details, known): (&[Vec<Cells<Mask>>], &KnownParts),
+    shaded: Option<&[Shaded]>,
+    memory: Option<&mut ElementsMemory>,
+) {
+    let Some(memory) = memory else { return };
+    let made = |k: usize| {
+        let shaded = shaded.map(|all| all[k].clone());
+        Arc::new(ElementParts { details: details[k].clone(), shaded })
+    };
+    let parts = known.iter().enumerate().map(|(k, known)| known.clone().unwrap_or_else(|| made(k)));
+    memory.put(partition, parts.collect());
 }
 
 /// Gives soft ellipses the nearest of [`COLOURS`] colours.

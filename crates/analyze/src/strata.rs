@@ -5,12 +5,13 @@
 //! own pixels, and elements are sought on the background of the stratum that they lie in.
 
 use super::margin::Margin;
+use super::memory::LayersMemory;
 use super::{Exemplar, background};
 use vtex_base::error::Result;
 use vtex_base::parallel;
 use vtex_base::progress::Progress;
 use vtex_base::raster::LabelMap;
-use vtex_field::layers::{Count, FindParams, LayerMap, find};
+use vtex_field::layers::{Count, FindParams, LayerMap, LayerSearch};
 use vtex_scene::element::ElementId;
 use vtex_scene::library::{AnalyzeParams, ExemplarElement, ExemplarInstance, ExemplarLayer, Role};
 use vtex_scene::scene::field::Interpolant;
@@ -28,17 +29,18 @@ pub(super) struct PhotographStrata {
 
 impl PhotographStrata {
     /// The layers of an exemplar and their backgrounds. `primaries` has a label above 0 for each known primary,
-    /// `textons` for any element.
+    /// `textons` for any element. `memory` may have the search in the photograph.
     ///
     /// # Errors
-    /// Those of [`find`], and of painted layers that do not fit the exemplar.
+    /// Those of [`LayerSearch::find`], and of painted layers that do not fit the exemplar.
     pub(super) fn new(
         exemplar: &Exemplar,
         [primaries, textons]: [&LabelMap; 2],
         params: &AnalyzeParams,
+        memory: Option<&mut LayersMemory>,
         progress: &dyn Progress,
     ) -> Result<Self> {
-        let (map, why) = found(exemplar, primaries, params, progress)?;
+        let (map, why) = found(exemplar, primaries, params, memory, progress)?;
         let Some(map) = map else {
             let field = background::palette(&exemplar.image, primaries, textons, params);
             return Ok(Self { map: None, fields: vec![field], why });
@@ -162,6 +164,7 @@ fn found(
     exemplar: &Exemplar,
     primaries: &LabelMap,
     params: &AnalyzeParams,
+    memory: Option<&mut LayersMemory>,
     progress: &dyn Progress,
 ) -> Result<(Option<LayerMap>, Option<String>)> {
     let order = || params.layer_order.iter().map(|&k| k as usize).collect::<Vec<_>>();
@@ -177,7 +180,15 @@ fn found(
             let count = if count == 0 { Count::Auto } else { Count::Fixed(count as usize) };
             let order = (!params.layer_order.is_empty()).then(order);
             let wanted = FindParams { count, order, seed: params.seed };
-            let found = find(&exemplar.image, Some(primaries), &wanted, progress)?;
+            let fresh;
+            let search = match memory {
+                Some(memory) => memory.of(&exemplar.image, params.seed, progress)?,
+                None => {
+                    fresh = LayerSearch::new(&exemplar.image, params.seed, progress)?;
+                    &fresh
+                }
+            };
+            let found = search.find(&exemplar.image, Some(primaries), &wanted, progress)?;
             (found.map, Some(found.decision.why))
         }
     };

@@ -211,6 +211,15 @@ fn whole(mut file: impl Read) -> io::Result<bool> {
     Ok(content.held == format.tail(&hexadecimal(content.hash)))
 }
 
+/// The bytes of a sealed file as they were before it was sealed; `None` if it is not sealed or has been changed.
+pub fn without_seal(sealed: &[u8]) -> Option<Vec<u8>> {
+    let format = SealPlace::of(&sealed[..sealed.len().min(HEAD)])?;
+    let empty = "0".repeat(2 * Sha256::output_size());
+    let (content, tail) = sealed.split_at_checked(sealed.len().checked_sub(format.tail(&empty).len())?)?;
+    let whole = format.tail(&hexadecimal(Sha256::new_with_prefix(content))) == tail;
+    whole.then(|| [content, format.end()].concat())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -240,6 +249,8 @@ mod tests {
             let sealed = seal(&file, 7);
             assert_eq!(sealed, seal(&file, 100_000), "it does not matter how it is written");
             assert!(is_whole(&sealed[..]).unwrap() && !is_whole(&file[..]).unwrap());
+            assert_eq!(without_seal(&sealed).as_ref(), Some(&file));
+            assert_eq!([without_seal(&file), without_seal(&sealed[1..])], [None, None]);
             let mut out = gzip(Vec::new());
             out.write_all(&sealed).unwrap();
             assert!(is_whole(&out.finish().unwrap()[..]).unwrap());
@@ -257,7 +268,7 @@ mod tests {
     fn what_is_not_known_is_written_as_it_is() {
         for foreign in [&b""[..], b"x", b"{\"format\":\"other\"}\n", b"<svg/>", &[7; 1000]] {
             assert_eq!(seal(foreign, 3), foreign);
-            assert!(!is_whole(foreign).unwrap());
+            assert!(!is_whole(foreign).unwrap() && without_seal(foreign).is_none());
         }
         assert!(!is_whole(&b"\x1f\x8b damaged"[..]).unwrap());
     }

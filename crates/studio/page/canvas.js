@@ -20,6 +20,11 @@ export class View {
   tool = null;
   stroke = [];
   brush = 6;
+  /** What draws on the texture: "density", "shape" or nothing. */
+  pen = null;
+  radius = 40;
+  /** The map of densities, over the whole canvas. */
+  map = null;
   mode = "texture";
   tiles = false;
   split = 0.5;
@@ -212,16 +217,23 @@ export class View {
 
   paintTool() {
     const { context, stroke } = this;
-    if (this.mode !== "elements" || !this.tool || this.tool === "select") return;
-    const radius = this.tool === "erase" ? this.brush : 1.2 / this.zoom;
+    const tool = this.draws();
+    if (!tool) return;
+    const brushes = { erase: this.brush, density: this.radius };
+    const radius = brushes[tool] ?? 1.2 / this.zoom;
+    if (tool === "density" && this.map) {
+      context.globalAlpha = 0.6;
+      context.drawImage(this.map, 0, 0, ...this.texture.whole);
+      context.globalAlpha = 1;
+    }
     if (stroke.length) {
       context.beginPath();
       context.moveTo(...stroke[0]);
       for (const point of stroke) context.lineTo(...point);
-      if (this.tool === "lasso") context.setLineDash([5 / this.zoom, 4 / this.zoom]);
+      if (tool === "lasso" || tool === "shape") context.setLineDash([5 / this.zoom, 4 / this.zoom]);
       context.lineCap = context.lineJoin = "round";
       context.lineWidth = 2 * radius;
-      context.strokeStyle = this.tool === "erase" ? "rgb(230 60 50 / .55)" : "#fff";
+      context.strokeStyle = tool in brushes ? "rgb(230 60 50 / .55)" : "#fff";
       context.stroke();
       context.setLineDash([]);
     }
@@ -237,15 +249,17 @@ export class View {
     }
   }
 
-  /** The element at a place of the photograph, the smallest if there are several; -1 if there is none. */
+  /** The element at a place of the photograph; -1 if there is none. Elements do not overlap. */
   elementAt([x, y]) {
     const { context } = this;
     context.setTransform(1, 0, 0, 1, 0, 0);
     return this.elements.paths.findIndex(path => context.isPointInPath(path, x, y, "evenodd"));
   }
 
+  /** The tool or pen that draws in the view; none if dragging moves the picture. */
   draws() {
-    return this.mode === "elements" && this.tool && this.tool !== "select";
+    if (this.mode === "texture") return this.texture && !this.tiles ? this.pen : null;
+    return this.mode === "elements" && this.tool !== "select" ? this.tool : null;
   }
 
   pointerdown(event) {
@@ -330,7 +344,7 @@ export class View {
     const stroke = this.stroke;
     this.stroke = [];
     this.draw();
-    if (stroke.length) this.onstroke(this.tool, stroke);
+    if (stroke.length && this.draws()) this.onstroke(this.draws(), stroke);
   }
 
   keydown(event) {

@@ -4,6 +4,7 @@ import { tell } from "./server.js";
 import { explanation, fill, make, throttled } from "./dom.js";
 import { control } from "./knobs.js";
 
+const PALETTE_SIDE = 96;
 const RECOLOUR = /^recolor --from (#[0-9a-f]{6}) --to (#[0-9a-f]{6}) --reach 2 --where category=(\d+)$/;
 
 /** The text of an operation. Words with blanks are quoted. */
@@ -14,6 +15,34 @@ function operationText(operation, values, layer, where) {
   const named = given.filter(knob => !knob.placed).flatMap(knob => [`--${knob.name}`, quote(values[knob.name])]);
   const selected = [...(layer ? ["--layer", quote(layer)] : []), ...(where ? ["--where", quote(where)] : [])];
   return [operation.name, ...placed, ...named, ...selected].join(" ");
+}
+
+/** The means of clusters of a picture's colours, one a line, from dark to light. */
+async function coloursOf(file, count) {
+  const image = await createImageBitmap(file);
+  const by = Math.min(1, PALETTE_SIDE / Math.max(image.width, image.height));
+  const size = [image.width, image.height].map(side => Math.max(1, Math.round(side * by)));
+  const canvas = make("canvas", { width: size[0], height: size[1] });
+  const context = canvas.getContext("2d");
+  context.drawImage(image, 0, 0, ...size);
+  const { data } = context.getImageData(0, 0, ...size);
+  const light = ([r, g, b]) => 0.3 * r + 0.59 * g + 0.11 * b;
+  const pixels = [];
+  for (let i = 0; i < data.length; i += 4) if (data[i + 3] > 127) pixels.push([data[i], data[i + 1], data[i + 2]]);
+  pixels.sort((a, b) => light(a) - light(b));
+  let means = Array.from({ length: count }, (_, k) => pixels[Math.floor((k + 0.5) * pixels.length / count)] ?? [0, 0, 0]);
+  for (let round = 0; round < 12; round++) {
+    const sums = means.map(() => [0, 0, 0, 0]);
+    for (const pixel of pixels) {
+      const far = means.map(mean => mean.reduce((sum, value, c) => sum + (value - pixel[c]) ** 2, 0));
+      const sum = sums[far.indexOf(Math.min(...far))];
+      pixel.forEach((value, c) => { sum[c] += value; });
+      sum[3] += 1;
+    }
+    means = sums.map((sum, k) => sum[3] ? sum.slice(0, 3).map(value => value / sum[3]) : means[k]);
+  }
+  const hex = mean => `#${mean.map(value => Math.round(value).toString(16).padStart(2, "0")).join("")}`;
+  return `${means.sort((a, b) => light(a) - light(b)).map(hex).join("\n")}\n`;
 }
 
 export class Change {
@@ -30,7 +59,7 @@ export class Change {
   show(work) {
     this.work = work;
     const inUse = part => part.contains(document.activeElement);
-    const kinds = JSON.stringify([work.name, work.texture?.categories, work.texture?.layers]);
+    const kinds = JSON.stringify([work.id, work.texture?.categories, work.texture?.layers]);
     const active = document.activeElement;
     if (!(inUse(this.colours) && active.type === "color")) this.showColours();
     this.showDone();
@@ -48,7 +77,9 @@ export class Change {
   recolour(category, colour) {
     const operations = [...this.work.operations];
     const at = this.recoloured(category.category);
-    const text = `recolor --from ${category.colour} --to ${colour} --reach 2 --where category=${category.category}`;
+    // Other operations may have changed the colour before.
+    const from = at >= 0 ? RECOLOUR.exec(operations[at])[1] : category.now;
+    const text = `recolor --from ${from} --to ${colour} --reach 2 --where category=${category.category}`;
     if (colour === null) operations.splice(at, 1);
     else if (at >= 0) operations[at] = text;
     else operations.push(text);
@@ -61,17 +92,39 @@ export class Change {
     const one = new Set(categories.map(category => category.library)).size <= 1;
     const rows = one ? categories.map(category => {
       const at = this.recoloured(category.category);
-      const now = at >= 0 ? RECOLOUR.exec(this.work.operations[at])[2] : category.colour;
+      const now = at >= 0 ? RECOLOUR.exec(this.work.operations[at])[2] : category.now;
+      const out = `thin 0 --where category=${category.category}`, isOut = this.work.operations.includes(out);
+      const leave = () => tell("operations", { operations: isOut ? this.work.operations.filter(text => text !== out) : [...this.work.operations, out], what: "" });
       const picker = make("input", { type: "color", value: now, "aria-label": `Colour of ${category.name}`, "data-key": `colour-${category.category}` });
       picker.addEventListener("input", throttled(() => this.recolour(category, picker.value), 160));
       picker.addEventListener("change", () => this.recolour(category, picker.value));
       return make("li", {}, picker, make("span", { className: "name", textContent: category.name }),
         make("span", { className: "count", textContent: `${category.elements} elements` }),
+        make("button", { type: "button", "aria-pressed": String(isOut), textContent: "Leave out", "aria-label": `Leave out ${category.name}`, title: "Its elements are taken away", "data-key": `out-${category.category}`, onclick: leave }),
         at >= 0 ? make("button", { type: "button", className: "plain", textContent: "Reset", "aria-label": `Reset the colour of ${category.name}`, onclick: () => this.recolour(category, null) }) : null);
     }) : [];
     fill(this.colours, make("h2", { textContent: "Colours" }),
       rows.length ? make("ul", { className: "list" }, ...rows)
-        : make("p", { textContent: "Elements have no categories here. Operations change all of them." }));
+        : make("p", { textContent: "Elements have no categories here. Operations change all of them." }),
+      rows.length ? this.palette(categories.length) : null);
+  }
+
+  /** Colours taken from a picture, or from a file that lists them. */
+  palette(count) {
+    const known = this.work.files.palette;
+    const input = make("input", { type: "file", hidden: true, accept: "image/*,.gpl,.txt", tabIndex: -1, "aria-label": "Palette from a picture" });
+    input.addEventListener("change", async () => {
+      const [file] = input.files;
+      if (!file) return;
+      const colours = file.type.startsWith("image/") ? await coloursOf(file, count) : await file.text();
+      const name = `${file.name.replace(/\.[^.]*$/, "")}.colours.txt`;
+      await tell("side", new Blob([colours]), { option: "palette", name: file.type.startsWith("image/") ? name : file.name });
+      input.value = "";
+    });
+    return make("div", { className: "row" }, input,
+      make("button", { type: "button", textContent: "Palette from a picture…", title: "Categories take its colours, from dark to light", "data-key": "palette", onclick: () => input.click() }),
+      known ? make("span", { className: "name", textContent: known.name }) : null,
+      known ? make("button", { type: "button", className: "plain", textContent: "Reset", "aria-label": "Reset the palette", "data-key": "palette-reset", onclick: () => tell("side", new Blob([]), { option: "palette" }) }) : null);
   }
 
   showDone() {

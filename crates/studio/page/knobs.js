@@ -90,7 +90,9 @@ function sizeControl(id, value, texture, onset) {
 
 /** The tab Steer. */
 export class Steer {
-  constructor(panel, table) {
+  constructor(panel, table, paint) {
+    this.paint = paint;
+    paint.onchange = () => this.showGroups(this.work);
     this.panel = panel;
     this.table = table;
     this.pictures = new Map();
@@ -101,11 +103,12 @@ export class Steer {
   }
 
   show(work) {
+    this.work = work;
     if (work.kind === "scene") {
       fill(this.seed, make("p", { textContent: "A scene is placed already. It can be changed and saved; to place its elements anew, open its library or its photograph." }));
     } else this.showSeed(work);
     // A control that is in use stays as it is.
-    if (!this.groups.contains(document.activeElement) || document.activeElement.tagName === "SUMMARY" || this.of !== work.name) this.showGroups(work);
+    if (!this.groups.contains(document.activeElement) || document.activeElement.tagName === "SUMMARY" || (document.activeElement.dataset.key && document.activeElement.type !== "range") || this.of !== work.id) this.showGroups(work);
     else this.refresh(work);
   }
 
@@ -132,13 +135,16 @@ export class Steer {
       this.thumbnail(work, seed).then(address => { image.src = address; }, () => {});
       grid.append(make("button", { type: "button", "aria-label": `Seed ${seed}`, title: `Seed ${seed}`, "aria-pressed": String(seed === work.seed), "data-key": `variant-${seed}`, onclick: () => tell("seed", { seed }) }, image));
     }
+    const { fault } = work.variants;
+    if (fault) return make("div", {}, grid, make("p", { className: "fault", role: "alert", textContent: `Variants could not be made: ${fault.error}` }),
+      make("div", { className: "row" }, make("button", { type: "button", className: "plain", textContent: "Try again", "data-key": "more", onclick: () => tell("variants", { show: true, more: false }) })));
     for (let missing = made.size; missing < 6; missing++) grid.append(make("div", { className: "wait", textContent: "…", "aria-hidden": "true" }));
     return make("div", {}, grid, make("div", { className: "row" }, make("button", { type: "button", className: "plain", textContent: "Six more", "data-key": "more", onclick: () => tell("variants", { show: true, more: true }) })));
   }
 
   /** The address of the small picture of a seed, as long as what is set stays the same. */
   thumbnail(work, seed) {
-    const key = JSON.stringify([work.name, work.options, work.operations, work.files, work.elements?.version, seed]);
+    const key = JSON.stringify([work.id, work.options, work.operations, work.files, work.elements?.version, seed]);
     if (!this.pictures.has(key)) {
       if (this.pictures.size > 60) {
         for (const address of this.pictures.values()) address.then(URL.revokeObjectURL, () => {});
@@ -158,7 +164,7 @@ export class Steer {
   }
 
   showGroups(work) {
-    this.of = work.name;
+    this.of = work.id;
     this.rows.clear();
     const opened = new Set([...this.groups.querySelectorAll("details[open] > summary")].map(summary => summary.textContent));
     const groups = this.table.groups.filter(group => this.applies(group, work)).map(group => {
@@ -199,23 +205,26 @@ export class Steer {
 
   /** Files that steer: a shape to fill, and a map of densities. */
   files(work) {
-    const file = (option, title, words, accept) => {
+    const file = (option, title, words, accept, [pen, draw]) => {
       const input = make("input", { type: "file", hidden: true, accept, tabIndex: -1, "aria-label": title });
       input.addEventListener("change", async () => {
         const [chosen] = input.files;
         if (chosen) await tell("side", chosen, { option, name: chosen.name });
         input.value = "";
       });
-      const name = work.files[option];
+      const name = work.files[option]?.name;
+      const drawing = this.paint.view.pen === pen;
+      const take = () => this.paint.take(pen);
       return make("div", { className: name ? "knob set" : "knob" },
         make("div", { className: "head" }, make("span", { className: "label", textContent: title }),
-          make("button", { type: "button", textContent: name ? "Change…" : "Choose…", "aria-label": `${title}: choose a file`, onclick: () => input.click() }),
-          name ? make("button", { type: "button", className: "plain", textContent: "Reset", "aria-label": `Reset ${title}`, onclick: () => tell("side", new Blob([]), { option }) }) : null),
-        input, explanation(`${option}-words`, name ? `${name}. ${words}` : words));
+          make("button", { type: "button", textContent: draw, "aria-pressed": String(drawing), disabled: !work.texture, "aria-label": `${title}: ${draw.toLowerCase()} it`, "data-key": `pen-${pen}`, onclick: take }),
+          make("button", { type: "button", textContent: "File…", "aria-label": `${title}: choose a file`, "data-key": `file-${option}`, onclick: () => input.click() }),
+          name ? make("button", { type: "button", className: "plain", textContent: "Reset", "aria-label": `Reset ${title}`, "data-key": `reset-${option}`, onclick: () => tell("side", new Blob([]), { option }) }) : null),
+        input, this.paint.controls(pen), explanation(`${option}-words`, name ? `${name}. ${words}` : words));
     };
     return [
-      file("domain", "Shape to fill", "An SVG, whose filled shapes are fitted to the canvas", ".svg,image/svg+xml"),
-      file("density", "Density", "A grey picture over the canvas: black nothing, middle grey as in the photograph, white twice as dense", "image/*"),
+      file("domain", "Shape to fill", "An SVG, whose filled shapes are fitted to the canvas", ".svg,image/svg+xml", ["shape", "Draw"]),
+      file("density", "Density", "A grey picture over the canvas: black nothing, middle grey as in the photograph, white twice as dense", "image/*", ["density", "Paint"]),
     ];
   }
 }

@@ -6,6 +6,7 @@ import { View } from "./canvas.js";
 import { Steer } from "./knobs.js";
 import { Change } from "./change.js";
 import { Mend } from "./mend.js";
+import { Paint } from "./paint.js";
 
 const FORMATS = [
   ["svg", "SVG", "Vectors, in groups by layer and category"],
@@ -23,11 +24,12 @@ const table = await askJson("table");
 const view = new View(find("canvas"), {
   onsharper: () => loadTexture(),
   onzoom: zoom => { find("zoom-one").textContent = `${Math.round(zoom * 100)} %`; },
-  onstroke: (tool, path) => mend.stroke(tool, path),
+  onstroke: (tool, path) => view.mode === "texture" ? paint.stroke(tool, path) : mend.stroke(tool, path),
   onpick: (index, more) => mend.pick(index, more),
   onsplit: share => { view.split = share; find("split").value = share * 100; view.draw(); },
 });
-const steer = new Steer(find("steer"), table);
+const paint = new Paint(view, { onview: setView });
+const steer = new Steer(find("steer"), table, paint);
 const change = new Change(find("change"), table);
 const mend = new Mend(find("mend"), view, { onview: setView });
 
@@ -53,13 +55,14 @@ function show() {
   find("welcome").hidden = open;
   for (const id of ["views", "zoom", "panel", "command"]) find(id).hidden = !open;
   find("open-files").hidden = state.open.length < 2;
-  fill(find("open-files"), ...state.open.map((name, index) => make("option", { value: index, textContent: name, selected: index === state.active })));
+  fill(find("open-files"), ...state.open.map(({ id, title }) => make("option", { value: id, textContent: title, selected: id === state.active })));
   find("undo").disabled = !work?.undo;
   find("redo").disabled = !work?.redo;
   showProgress();
   if (!open) return;
   document.title = `${work.name} – vtex studio`;
   showViews(work);
+  paint.follow(work);
   steer.show(work);
   change.show(work);
   mend.show(work);
@@ -91,8 +94,8 @@ function showMessages(work) {
   else forget("fault");
   if (work.notKept) notice(work.notKept, { fault: true, key: "kept" });
   else forget("kept");
-  if (work.restored && !showMessages.told?.has(work.name)) {
-    (showMessages.told ??= new Set()).add(work.name);
+  if (work.restored && !showMessages.told?.has(work.id)) {
+    (showMessages.told ??= new Set()).add(work.id);
     notice(`The work of last time goes on: ${work.keptIn}`, { hint: "Save has a button to begin anew.", key: "restored" });
   }
 }
@@ -127,7 +130,7 @@ async function picture(parameters, signal) {
 }
 
 function loadPictures(work) {
-  const of = work.name;
+  const of = work.id;
   const wants = mode => view.mode === mode || view.mode === "split";
   if (shown.photograph !== of) {
     shown.photograph = of;
@@ -137,12 +140,12 @@ function loadPictures(work) {
     if (work.size) picture({ of: "photograph" }).then(image => { view.photograph = { image, size: work.size }; view.fitted ? view.fit() : view.draw(); }, () => { shown.photograph = ""; });
   }
   const found = `${of} ${work.elements?.version}`;
-  const redrawn = JSON.stringify([of, work.elements?.version, work.analysis, work.options]);
+  const redrawn = JSON.stringify([of, work.analysis?.version, work.options]);
   if (work.analysis && shown.redrawn !== redrawn && (wants("redrawn") && (view.mode === "redrawn" || !work.size))) {
     shown.redrawn = redrawn;
     picture({ of: "redrawn" }).then(image => { view.redrawn = { image, size: [image.width, image.height] }; view.fitted ? view.fit() : view.draw(); }, () => { shown.redrawn = ""; });
   }
-  const categories = `${found} ${work.analysis?.primaries} ${state.busy}`;
+  const categories = `${found} ${work.analysis?.version}`;
   if (work.elements && shown.elements !== categories) {
     shown.elements = categories;
     askJson("elements").then(({ version, size, outlines, places, categories }) => {
@@ -163,7 +166,7 @@ function loadTexture() {
   const wanted = view.zoom * (devicePixelRatio || 1);
   const fine = [0.5, 1, 2, 4].find(step => step >= wanted * 0.8) ?? 4;
   const scale = texture.draft ? Math.min(1, fine) : fine;
-  const base = `${state.work.name} ${texture.number}`;
+  const base = `${state.work.id} ${texture.number}`;
   const key = `${base} ${scale}`;
   if (shown.texture === key || (view.texture?.key === base && view.texture.scale >= scale)) return;
   shown.texture = key;
@@ -249,6 +252,7 @@ function selectTab(name, focus = false) {
     find(tab.getAttribute("aria-controls")).hidden = !own;
     if (own && focus) tab.focus();
   }
+  if (name !== "steer" && view.pen) paint.take(view.pen);
   if (name === "mend" && state.work?.kind === "photograph") setView("elements");
   else if (name !== "mend" && view.mode === "elements") setView("texture");
 }

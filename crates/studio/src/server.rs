@@ -26,7 +26,7 @@ use tokio::time::timeout;
 /// Bounds of requests and connections.
 #[derive(Clone, Copy, Debug)]
 pub struct Bounds {
-    /// Most bytes of the file that is opened.
+    /// Most bytes of a file that the page sends.
     pub file: usize,
     /// Most bytes of any other request.
     pub body: usize,
@@ -215,7 +215,8 @@ async fn respond(request: Request<Incoming>, shared: &Arc<Shared>, welcome: &Ato
     }
     let name = name.to_owned();
     let Some(query) = parameters(request.uri().query().unwrap_or_default()) else { return refused(400) };
-    let most = if name == "open" { shared.bounds.file } else { shared.bounds.body };
+    let most =
+        if matches!(&name[..], "open" | "side" | "paint") { shared.bounds.file } else { shared.bounds.body };
     // What is announced as too large is not waited for.
     if request.body().size_hint().lower() > most as u64 {
         return refused(413);

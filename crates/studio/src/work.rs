@@ -26,7 +26,8 @@ pub struct StudioWork {
     /// Operations of `edit`, as they are written after `--op`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub operations: Vec<String>,
-    /// Files that steer, by the option that names them: `masks`, `density` and `domain`.
+    /// Files that steer, by the option that names them: `masks`, `density` and `domain`; and that of
+    /// the operation `palette`.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub files: BTreeMap<String, WorkFile>,
 }
@@ -39,6 +40,9 @@ pub struct WorkFile {
     pub file: String,
     /// SHA-256 of its bytes, in hexadecimal.
     pub sha256: String,
+    /// Whether it was drawn in the page.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub drawn: bool,
 }
 
 document!(StudioWork, "vtex-studio", 1);
@@ -60,20 +64,35 @@ impl Document for StudioWork {
 const LONGEST: usize = 120;
 
 /// The name of a file that a page or a document gives, made harmless: without folders, without characters that
-/// file systems or shells treat in a special way, and neither hidden nor like an option. `None` if nothing is
-/// left.
+/// file systems or shells treat in a special way, neither hidden nor like an option, and none of the names that
+/// Windows has for devices. `None` if nothing is left.
 pub fn file_name(given: &str) -> Option<String> {
     let last = given.rsplit(['/', '\\', ':']).next().unwrap_or_default();
     let plain =
         |c: char| c.is_alphanumeric() || matches!(c, '.' | '-' | '_' | ' ' | '+' | '(' | ')' | ',' | '@');
     let kept: String = last.chars().map(|c| if plain(c) { c } else { '_' }).collect();
     let mut kept = kept.trim().trim_start_matches(['.', '-']).trim_end_matches(['.', ' ']);
-    while kept.len() > LONGEST {
+    // A name of a device becomes longer by one.
+    while kept.len() >= LONGEST {
         // The ending is worth more than the beginning.
         kept = &kept[kept.chars().next().map_or(0, char::len_utf8)..];
     }
     let kept = kept.trim_start_matches(['.', '-', ' ']);
+    if is_device(kept) {
+        return Some(format!("_{kept}"));
+    }
     (!kept.is_empty()).then(|| kept.to_owned())
+}
+
+/// Whether Windows takes a name for a device, whatever its ending.
+fn is_device(name: &str) -> bool {
+    let stem = name.split('.').next().unwrap_or_default().trim_end().to_ascii_uppercase();
+    let port = stem.strip_prefix("COM").or_else(|| stem.strip_prefix("LPT"));
+    let is_number = |digit: &str| {
+        let mut all = digit.chars();
+        all.next().is_some_and(|c| matches!(c, '0'..='9' | '¹' | '²' | '³')) && all.next().is_none()
+    };
+    matches!(&stem[..], "CON" | "PRN" | "AUX" | "NUL" | "CONIN$" | "CONOUT$") || port.is_some_and(is_number)
 }
 
 #[cfg(test)]
@@ -86,7 +105,7 @@ mod tests {
         fn names_are_harmless_and_stay(given in ".{0,200}") {
             if let Some(name) = file_name(&given) {
                 prop_assert!(!name.contains(['/', '\\', ':', '\0', '\n']) && name.len() <= LONGEST);
-                prop_assert!(!name.starts_with(['.', '-']) && !name.ends_with('.'));
+                prop_assert!(!name.starts_with(['.', '-']) && !name.ends_with('.') && !is_device(&name));
                 prop_assert_eq!(std::path::Path::new(&name).components().count(), 1);
                 prop_assert_eq!(file_name(&name), Some(name));
             }
@@ -100,12 +119,20 @@ mod tests {
         assert_eq!(named("C:\\photos\\Leaf (2).JPG"), "Leaf (2).JPG");
         assert_eq!(named("--force"), "force");
         assert_eq!(named("a\"$(b)`.png"), "a__(b)_.png");
+        assert_eq!(
+            ["nul", "Con.png", "com1.tar.gz", "LPT9 .svg"].map(named),
+            ["_nul", "_Con.png", "_com1.tar.gz", "_LPT9 .svg"]
+        );
+        assert_eq!(
+            ["null.png", "com.png", "com10.png", "console"].map(named),
+            ["null.png", "com.png", "com10.png", "console"]
+        );
         assert_eq!([named(""), named(".."), named("/"), named(". .")], ["", "", "", ""]);
     }
 
     #[test]
     fn documents_name_no_folders() {
-        let input = WorkFile { file: "leaf.png".into(), sha256: String::new() };
+        let input = WorkFile { file: "leaf.png".into(), sha256: String::new(), drawn: false };
         let work = StudioWork {
             format: StudioWork::FORMAT.into(),
             version: StudioWork::VERSION,

@@ -37,6 +37,7 @@ use occupancy::Occupancy;
 use region::PlacementRegion;
 use vtex_base::error::Result;
 use vtex_base::progress::Progress;
+use vtex_field::correspondence::PagesMemory;
 use vtex_scene::library::Library;
 use vtex_scene::scene::{Ablation, Method, SynthParams};
 
@@ -53,6 +54,8 @@ pub(crate) struct PlacementTask<'a> {
     pub(crate) params: &'a SynthParams,
     /// The method. [`Method::Correspondence`] needs libraries with guides.
     pub(crate) method: Method,
+    /// What earlier canvases of the same libraries have left.
+    pub(crate) memory: Option<&'a PagesMemory>,
     /// Elements that are placed beforehand. Those whose origin lies beyond the margin are left out.
     pub(crate) fixed: Vec<Fixed>,
 }
@@ -65,6 +68,7 @@ pub(crate) struct PlacementContext<'a> {
     pub(crate) params: &'a SynthParams,
     pub(crate) grid: &'a Grid,
     pub(crate) region: &'a PlacementRegion<'a>,
+    pub(crate) memory: Option<&'a PagesMemory>,
     pub(crate) progress: &'a dyn Progress,
 }
 
@@ -119,7 +123,7 @@ pub(crate) fn arrange<'a>(
     task: &PlacementTask<'a>,
     progress: &dyn Progress,
 ) -> Result<PlacementResult<'a>> {
-    let PlacementTask { libraries, controls, params, method, .. } = *task;
+    let PlacementTask { libraries, controls, params, method, memory, .. } = *task;
     let grid = Grid::around(model, params);
     let region = PlacementRegion::new(&grid, controls, params.edge, method == Method::Correspondence);
     let on_grid = |at: [i32; 2]| [0, 1].map(|k| at[k] + grid.margin[k]);
@@ -135,7 +139,7 @@ pub(crate) fn arrange<'a>(
     let (mut correspondence, mut structure) = (None, None);
     if method == Method::Correspondence {
         let context =
-            PlacementContext { libraries, controls, params, grid: &grid, region: &region, progress };
+            PlacementContext { libraries, controls, params, grid: &grid, region: &region, memory, progress };
         let found = Correspondence::new(&context, model)?;
         let carried = found.carry(&context, model)?;
         // Where descriptors continue, they begin with the elements beside the area.

@@ -28,7 +28,7 @@ pub use crate::arrange::controls::{Controls, StructureGuide};
 pub use crate::arrange::correspondence::Structure;
 pub use report::{CategoryReport, ClusterReport, SynthReport};
 pub use strata::{StratumReport, layer_map};
-pub use units::synthesize_with;
+pub use units::{SynthesisMemory, synthesize_again, synthesize_with};
 pub use vtex_scene::reconstruct::reconstruct;
 
 use crate::arrange::correspondence::no_guide;
@@ -40,6 +40,7 @@ use secondaries::PlacedSecondary;
 use strata::CanvasStrata;
 use vtex_base::error::{Error, Large, Result};
 use vtex_base::progress::{Progress, advance};
+use vtex_field::correspondence::PagesMemory;
 use vtex_scene::library::{Library, SourceKind};
 use vtex_scene::scene::field::Interpolant;
 use vtex_scene::scene::{Ablation, InstanceId, Layer, LibraryId, Method, Role, Scene, SynthParams, Weights};
@@ -66,6 +67,7 @@ fn in_pixels(
     libraries: &[Library],
     params: &SynthParams,
     controls: &Controls,
+    memory: Option<&PagesMemory>,
     progress: &dyn Progress,
 ) -> Result<(Scene, SynthReport)> {
     params.validate()?;
@@ -88,10 +90,10 @@ fn in_pixels(
         && let Some(units) = MotifUnits::new(library)
     {
         let params = &keeping_apart(libraries, params);
-        let (scene, report) = arranged(&[units.closed()], params, controls, progress)?;
+        let (scene, report) = arranged(&[units.closed()], params, controls, None, progress)?;
         return taken_apart::taken_apart(&units, library, (scene, report), progress);
     }
-    arranged(libraries, &keeping_apart(libraries, params), controls, progress)
+    arranged(libraries, &keeping_apart(libraries, params), controls, memory, progress)
 }
 
 /// A texture of elements placed one by one, by correspondences or descriptors.
@@ -99,11 +101,12 @@ fn arranged(
     libraries: &[Library],
     params: &SynthParams,
     controls: &Controls,
+    memory: Option<&PagesMemory>,
     progress: &dyn Progress,
 ) -> Result<(Scene, SynthReport)> {
     let method = params.method;
     let mut model = PlacementModel::new(libraries, params);
-    let task = PlacementTask { libraries, controls, params, method, fixed: Vec::new() };
+    let task = PlacementTask { libraries, controls, params, method, memory, fixed: Vec::new() };
     let arrangement = arrange(&mut model, &task, progress)?;
 
     advance(progress, "background field", 0, 2)?;
@@ -253,7 +256,8 @@ pub(crate) fn primaries_alone(
     let controls = Controls::default();
     let mut model = PlacementModel::new(libraries, params);
     let method = Method::Descriptor;
-    let task = PlacementTask { libraries, controls: &controls, params, method, fixed: Vec::new() };
+    let task =
+        PlacementTask { libraries, controls: &controls, params, method, memory: None, fixed: Vec::new() };
     let arrangement = arrange(&mut model, &task, progress)?;
     let canvas = f64::from(params.width) * f64::from(params.height);
     let covered = arrangement.covered_before.iter().map(|&cells| cells as f64 / canvas).collect();

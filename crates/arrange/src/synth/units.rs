@@ -9,6 +9,7 @@ use crate::arrange::period::check_periods;
 use vtex_base::error::{Error, Result};
 use vtex_base::geometry::Affine;
 use vtex_base::progress::Progress;
+use vtex_field::correspondence::PagesMemory;
 use vtex_scene::library::{Library, SourceKind};
 use vtex_scene::scene::{Domain, Method, Scene, SynthParams};
 
@@ -27,8 +28,38 @@ pub fn synthesize_with(
     controls: &Controls,
     progress: &dyn Progress,
 ) -> Result<(Scene, SynthReport)> {
+    synthesized(libraries, params, controls, None, progress)
+}
+
+/// What a synthesis leaves for the next one from the same libraries; see [`synthesize_again`].
+#[derive(Default)]
+pub struct SynthesisMemory(PagesMemory);
+
+/// [`synthesize_with`] with a memory of the last synthesis. The scene is that of [`synthesize_with`]. Correspondences
+/// are sooner found if libraries and lattices are those of the last time: the similar cells of an exemplar, which take
+/// most of the time of a small canvas, are then known.
+///
+/// # Errors
+/// Those of [`synthesize_with`].
+pub fn synthesize_again(
+    libraries: &[Library],
+    params: &SynthParams,
+    controls: &Controls,
+    memory: &SynthesisMemory,
+    progress: &dyn Progress,
+) -> Result<(Scene, SynthReport)> {
+    synthesized(libraries, params, controls, Some(&memory.0), progress)
+}
+
+fn synthesized(
+    libraries: &[Library],
+    params: &SynthParams,
+    controls: &Controls,
+    memory: Option<&PagesMemory>,
+    progress: &dyn Progress,
+) -> Result<(Scene, SynthReport)> {
     if libraries.iter().all(Library::is_in_pixels) {
-        return in_pixels(libraries, params, controls, progress);
+        return in_pixels(libraries, params, controls, memory, progress);
     }
     params.validate()?;
     controls.validate(libraries)?;
@@ -52,8 +83,8 @@ pub fn synthesize_with(
     let places = [0, 1].map(|k| f64::from(canvas[k]) / f64::from(size[k]));
     let stretch = Affine::scale_non_uniform(places[0], places[1]);
     let steered = Controls { domain: controls.domain.as_ref().map(|d| d.moved(stretch)), ..controls.clone() };
-    let (scene, mut report) =
-        in_pixels(&own, &on_pixels, &steered, progress).map_err(|error| in_units(error, params, scale))?;
+    let (scene, mut report) = in_pixels(&own, &on_pixels, &steered, memory, progress)
+        .map_err(|error| in_units(error, params, scale))?;
     // A period that repeats without a seam is stretched with the canvas; otherwise copies would not meet.
     let elements = if period && params.tile.any() { places } else { scale };
     let scene = scene.scaled(size, elements.map(|v| 1.0 / v));
@@ -124,5 +155,25 @@ fn in_units(error: Error, params: &SynthParams, scale: [f64; 2]) -> Error {
             Error::Periods { width: params.width, height: params.height, nearest }
         }
         other => other,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use vtex_scene::library::testing::{guided, mosaic};
+
+    #[test]
+    fn a_scene_does_not_depend_on_what_was_made_before() {
+        let libraries = [1, 2].map(|seed| [guided(&mosaic(120, 14.0, 0.6, seed))]);
+        let memory = SynthesisMemory::default();
+        for (k, width, seed) in [(0, 90, 1), (0, 160, 1), (0, 90, 5), (1, 90, 1), (0, 90, 1)] {
+            let params = SynthParams { width, height: 100, seed, ..SynthParams::default() };
+            let controls = Controls::default();
+            let again = synthesize_again(&libraries[k], &params, &controls, &memory, &()).unwrap();
+            let fresh = synthesize_with(&libraries[k], &params, &controls, &()).unwrap();
+            assert!(again.1.structure.is_some());
+            assert!(again.0.to_json() == fresh.0.to_json(), "{k} {width} {seed}");
+        }
     }
 }

@@ -74,7 +74,14 @@ pub fn warp(
     let (fixed, standing) = carry(scene, bend, &mut model, progress)?;
     let carried: Vec<&Instance> = scene.individuals().collect();
     let method = Method::Descriptor;
-    let task = PlacementTask { libraries: &libraries, controls: &controls, params: &params, method, fixed };
+    let task = PlacementTask {
+        libraries: &libraries,
+        controls: &controls,
+        params: &params,
+        method,
+        memory: None,
+        fixed,
+    };
     let arrangement = arrange(&mut model, &task, progress)?;
     let (cells, model) = (&arrangement.cells, arrangement.cells.model());
 

@@ -27,6 +27,7 @@ mod atlas;
 mod canvas;
 mod copies;
 mod islands;
+mod memory;
 mod periods;
 mod search;
 mod similar;
@@ -34,13 +35,14 @@ mod vote;
 
 use atlas::Atlas;
 use canvas::LevelCanvas;
-use similar::Similar;
+use memory::PreparedPages;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use vtex_base::error::{Error, Result};
 use vtex_base::progress::Progress;
 use vtex_base::sampling::stream;
 
 pub use islands::Islands;
+pub use memory::PagesMemory;
 pub use periods::Periods;
 
 /// Features of a cell: three of colour, one of the element that covers it, two of its place within that
@@ -87,6 +89,7 @@ const MOSAIC: usize = 4;
 const LEAST_ISLAND: u32 = 10;
 
 /// An exemplar, as it is, rotated or mirrored, cell by cell.
+#[derive(Clone, PartialEq)]
 pub struct ExemplarPage {
     /// The group of its cells. Cells of the canvas may be restricted to a group.
     pub group: u8,
@@ -145,60 +148,71 @@ const STAGE: &str = "structure";
 /// # Errors
 /// [`vtex_base::Error::Interrupted`].
 pub fn find(request: &CanvasRequest<'_>, progress: &dyn Progress) -> Result<CorrespondenceField> {
-    let atlases = Atlas::pyramid(request.pages);
+    find_again(request, None, progress)
+}
+
+/// [`find`] with what is remembered of pages. The field is that of [`find`].
+///
+/// # Errors
+/// Those of [`find`].
+pub fn find_again(
+    request: &CanvasRequest<'_>,
+    memory: Option<&PagesMemory>,
+    progress: &dyn Progress,
+) -> Result<CorrespondenceField> {
+    let prepared = PagesMemory::prepared(memory, request.pages, &RowProgress::new(progress, 1))?;
+    let PreparedPages { atlases, similar, .. } = &*prepared;
     let coarsest = atlases.len() - 1;
     let sizes = canvas::sizes(request.size, atlases.len());
+    // Each pass over a level counts. Those over the finest are most of the work.
+    let cells = |level: usize| (sizes[level][0] * sizes[level][1]) as u64;
+    let passes = |level: usize| if level == 0 { 2 * ITERATIONS[2] + 5 } else { 4 * ITERATIONS[1] } as u64;
+    let work: u64 = (0..sizes.len()).map(|level| passes(level) * cells(level)).sum();
+    let watch = RowProgress::new(progress, work);
+    watch.check()?;
     let constraints = |level: usize| {
         let groups = request.groups.as_ref().map(|g| canvas::reduced(g, request.size, sizes[level]));
         let groups = groups.map(|groups| atlases[level].with_sources(groups));
         let active = request.active.as_ref().map(|a| canvas::any_within(a, request.size, sizes[level]));
         (groups, active)
     };
-    // Each pass over a level counts. Those over the finest are most of the work.
-    let cells = |level: usize| (sizes[level][0] * sizes[level][1]) as u64;
-    let passes = |level: usize| if level == 0 { 2 * ITERATIONS[2] + 5 } else { 4 * ITERATIONS[1] } as u64;
-    let work: u64 = (0..sizes.len()).map(|level| passes(level) * cells(level)).sum();
-    let watch = RowProgress { progress, done: AtomicU64::new(0), work, stopped: AtomicBool::new(false) };
-    watch.check()?;
 
     // The best initialisation keeps most of the exemplar's large-scale contrast.
     let sources = atlases[coarsest].inside.iter().filter(|inside| **inside).count() as u64;
     let searches = MOST_PAIRS / (cells(coarsest) * sources).max(1);
     let starts = (searches / ITERATIONS[0] as u64).clamp(1, STARTS);
     let exhaustive = (searches as usize).clamp(1, ITERATIONS[0]);
-    let mut similar = Similar::coarsest(&atlases[coarsest], &watch);
     let begin = |start: u64| {
         let mut random = stream(request.seed, "correspondence/start", start);
         let block = 1 + 2 * (start as usize % 2);
         let empty = LevelCanvas::new(sizes[coarsest], request.wrap, constraints(coarsest));
         let mut canvas = empty.random(&atlases[coarsest], block, &mut random);
-        canvas.optimise(&atlases[coarsest], &similar, exhaustive, ITERATIONS[0], &watch);
+        canvas.optimise(&atlases[coarsest], &similar[coarsest], exhaustive, ITERATIONS[0], &watch);
         canvas
     };
     let mut canvases: Vec<LevelCanvas> = (0..starts).map(begin).collect();
     keep_best(&mut canvases, &atlases[coarsest], CARRIED_ON);
     for level in (0..coarsest).rev() {
         watch.check()?;
-        let (coarse, fine) = (&atlases[level + 1], &atlases[level]);
-        similar = similar.finer(coarse, fine, &watch);
+        let (coarse, fine, similar) = (&atlases[level + 1], &atlases[level], &similar[level]);
         for canvas in &mut canvases {
             *canvas =
                 canvas.finer(coarse, fine, LevelCanvas::new(sizes[level], request.wrap, constraints(level)));
             canvas.coherence = if level < COHERENT { 1.0 } else { 0.0 };
             if level > 0 {
                 let exhaustive = usize::from(coarsest - level == 1);
-                canvas.optimise(fine, &similar, exhaustive, ITERATIONS[1], &watch);
+                canvas.optimise(fine, similar, exhaustive, ITERATIONS[1], &watch);
             } else {
-                canvas.refine(fine, &similar, ITERATIONS[2], &watch);
+                canvas.refine(fine, similar, ITERATIONS[2], &watch);
             }
         }
         keep_best(&mut canvases, fine, 1);
     }
     keep_best(&mut canvases, &atlases[0], 1);
     let mut canvas = canvases.swap_remove(0);
-    canvas.mosaic(&atlases[0], &similar, MOSAIC, &watch);
+    canvas.mosaic(&atlases[0], &similar[0], MOSAIC, &watch);
     canvas.absorb_small_islands(&atlases[0], LEAST_ISLAND);
-    canvas.mosaic(&atlases[0], &similar, 1, &watch);
+    canvas.mosaic(&atlases[0], &similar[0], 1, &watch);
     watch.finish()?;
     Ok(CorrespondenceField {
         size: request.size,
@@ -215,7 +229,11 @@ struct RowProgress<'p> {
     stopped: AtomicBool,
 }
 
-impl RowProgress<'_> {
+impl<'p> RowProgress<'p> {
+    fn new(progress: &'p dyn Progress, work: u64) -> Self {
+        Self { progress, done: AtomicU64::new(0), work, stopped: AtomicBool::new(false) }
+    }
+
     /// Reports a row of cells; false once the work was stopped.
     fn keep_going(&self, cells: usize) -> bool {
         let done = self.done.fetch_add(cells as u64, Ordering::Relaxed) + cells as u64;

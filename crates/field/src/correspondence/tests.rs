@@ -164,6 +164,19 @@ fn what_is_not_active_changes_little_of_the_rest() {
 }
 
 #[test]
+fn a_field_does_not_depend_on_what_was_prepared_before() {
+    let pages = [2, 3].map(|seed| [clouds([64, 64], seed)]);
+    let memory = PagesMemory::default();
+    for (k, size) in [(0, [80, 50]), (0, [40, 60]), (1, [80, 50]), (0, [80, 50])] {
+        let request = request(&pages[k], size, [true, false], 7);
+        let remembered = find_again(&request, Some(&memory), &()).unwrap();
+        assert_eq!(remembered.sources, find(&request, &()).unwrap().sources);
+        let stopped = find_again(&request, Some(&memory), &vtex_testing::StopAtOnce);
+        assert!(matches!(stopped, Err(vtex_base::Error::Interrupted)));
+    }
+}
+
+#[test]
 fn it_can_be_stopped() {
     let pages = [clouds([64, 64], 2)];
     let stopped = find(&request(&pages, [50, 50], [false; 2], 1), &vtex_testing::StopAtOnce);

@@ -99,96 +99,142 @@ pub fn find(
     parameters: &FindParams,
     progress: &dyn Progress,
 ) -> Result<FoundLayers> {
-    if let Count::Fixed(count) = parameters.count {
-        check((1..=MOST_LAYERS).contains(&count), "layers", count, format!("auto, or 1 to {MOST_LAYERS}"))?;
-    }
-    let size = [image.width() as usize, image.height() as usize];
-    if elements.is_some_and(|map| [map.width as usize, map.height as usize] != size) {
-        return Err(Error::Masks("they have another size".into()));
-    }
-    const STAGE: &str = "layers";
-    advance(progress, STAGE, 0, 4)?;
-    let shorter = size[0].min(size[1]);
-    let factor = shorter.div_ceil(WORKING_SIDE);
-    let planes = oklab_planes(image, factor);
-    let elements = elements.map(|map| subsampled(map, factor, planes[0].size));
-    let clustering = Clustering::new(&planes, parameters.seed);
-    advance(progress, STAGE, 1, 4)?;
-
-    let measured = extent(&planes, elements.as_ref());
-    let pair = clustering.split(2);
-    let thick = pair.as_ref().map_or(0.0, |map| thickness(map, 2));
-    advance(progress, STAGE, 2, 4)?;
-    let least = LEAST_EXTENT[usize::from(elements.is_some())];
-    let decided = if parameters.count == Count::Auto && elements.is_some() && shorter < LEAST_SIDE {
-        (clustering.one(), 1, format!("a photograph of less than {LEAST_SIDE} px hardly shows any"))
-    } else {
-        decide(parameters.count, (measured, thick, least), &clustering, pair)?
-    };
-    advance(progress, STAGE, 3, 4)?;
-
-    let order = order(&Contacts::new(&decided.0, decided.1, [false; 2]), &shares(&decided.0, decided.1));
-    let map = assembled(&decided.0, &order, &planes, image, factor);
-    let map = match &parameters.order {
-        Some(order) => map.reordered(order)?,
-        None => map,
-    };
-    advance(progress, STAGE, 4, 4)?;
-    let decision = Decision { why: decided.2, contrast: measured.contrast, extent: measured.reach * thick };
-    Ok(FoundLayers { map, decision })
+    LayerSearch::new(image, parameters.seed, progress)?.find(image, elements, parameters, progress)
 }
 
-/// Labels at the working size, the number of layers, and the reason for it.
-fn decide(
-    count: Count,
-    (measured, thick, least): (ColourContrast, f64, f64),
-    clustering: &Clustering<'_>,
+const STAGE: &str = "layers";
+
+/// The part of a search for layers that depends on a photograph and a seed alone, not on its elements.
+pub struct LayerSearch {
+    /// Size of the photograph.
+    size: [usize; 2],
+    /// Pixels of the photograph to a pixel of the planes, along one axis.
+    factor: usize,
+    planes: [Plane; 3],
+    clustering: Clustering,
+    /// Two layers, if the colours allow them, and how thick they are.
     pair: Option<LabelMap>,
-) -> Result<(LabelMap, usize, String)> {
-    let one = || clustering.one();
-    if let Count::Fixed(count) = count {
-        let map = match count {
-            1 => Some(one()),
-            2 => pair,
-            _ => clustering.split(count),
-        };
-        let fail = || Error::Unusable {
-            name: "the photograph".into(),
-            reason: format!("its colours are too few or too alike for {count} layers"),
-        };
-        return Ok((map.ok_or_else(fail)?, count, "as asked".into()));
+    thick: f64,
+}
+
+impl LayerSearch {
+    /// Prepares a search; `seed` is that of the clustering.
+    ///
+    /// # Errors
+    /// [`Error::Interrupted`].
+    pub fn new(image: &RgbImage, seed: u64, progress: &dyn Progress) -> Result<Self> {
+        let size = [image.width() as usize, image.height() as usize];
+        advance(progress, STAGE, 0, 4)?;
+        let factor = size[0].min(size[1]).div_ceil(WORKING_SIDE);
+        let planes = oklab_planes(image, factor);
+        let clustering = Clustering::new(&planes, seed);
+        advance(progress, STAGE, 1, 4)?;
+        let pair = clustering.split(2);
+        let thick = pair.as_ref().map_or(0.0, |map| thickness(map, 2));
+        Ok(Self { size, factor, planes, clustering, pair, thick })
     }
-    let extent = measured.reach * thick;
-    if measured.contrast < LEAST_CONTRAST {
-        let contrast = measured.contrast;
-        let why = format!(
-            "colours hardly differ from place to place ({contrast:.4}, layers {LEAST_CONTRAST} or more)"
-        );
-        return Ok((one(), 1, why));
+
+    /// The layers: [`find`] with the seed and the photograph of the search.
+    ///
+    /// # Errors
+    /// Those of [`find`].
+    pub fn find(
+        &self,
+        image: &RgbImage,
+        elements: Option<&LabelMap>,
+        parameters: &FindParams,
+        progress: &dyn Progress,
+    ) -> Result<FoundLayers> {
+        let Self { size, factor, planes, clustering, thick, .. } = self;
+        if let Count::Fixed(count) = parameters.count {
+            let allowed = format!("auto, or 1 to {MOST_LAYERS}");
+            check((1..=MOST_LAYERS).contains(&count), "layers", count, allowed)?;
+        }
+        if elements.is_some_and(|map| [map.width as usize, map.height as usize] != *size) {
+            return Err(Error::Masks("they have another size".into()));
+        }
+        let elements = elements.map(|map| subsampled(map, *factor, planes[0].size));
+        let measured = extent(planes, elements.as_ref());
+        advance(progress, STAGE, 2, 4)?;
+        let least = LEAST_EXTENT[usize::from(elements.is_some())];
+        let few = size[0].min(size[1]) < LEAST_SIDE;
+        let decided = if parameters.count == Count::Auto && elements.is_some() && few {
+            (clustering.one(), 1, format!("a photograph of less than {LEAST_SIDE} px hardly shows any"))
+        } else {
+            self.decide(parameters.count, measured, least)?
+        };
+        advance(progress, STAGE, 3, 4)?;
+
+        let order = order(&Contacts::new(&decided.0, decided.1, [false; 2]), &shares(&decided.0, decided.1));
+        let map = assembled(&decided.0, &order, planes, image, *factor);
+        let map = match &parameters.order {
+            Some(order) => map.reordered(order)?,
+            None => map,
+        };
+        advance(progress, STAGE, 4, 4)?;
+        let decision =
+            Decision { why: decided.2, contrast: measured.contrast, extent: measured.reach * thick };
+        Ok(FoundLayers { map, decision })
     }
-    let Some(pair) = pair.filter(|_| extent >= least) else {
-        let why = format!(
-            "differences of colour are those of small elements and grain ({extent:.2}, layers {least} or more)"
-        );
-        return Ok((one(), 1, why));
-    };
-    let reached = format!("differences of colour reach far ({extent:.2} of {least})");
-    if let Some(three) = clustering.split(3).filter(|map| clustering.difference(map, 3) >= LEAST_DIFFERENCE) {
-        let thin = thickness(&three, 3);
-        if thin >= LEAST_THICKNESS {
+
+    /// Labels at the working size, the number of layers, and the reason for it.
+    fn decide(
+        &self,
+        count: Count,
+        measured: ColourContrast,
+        least: f64,
+    ) -> Result<(LabelMap, usize, String)> {
+        let Self { planes, clustering, thick, .. } = self;
+        let pair = self.pair.clone();
+        let one = || clustering.one();
+        if let Count::Fixed(count) = count {
+            let map = match count {
+                1 => Some(one()),
+                2 => pair,
+                _ => clustering.split(count),
+            };
+            let fail = || Error::Unusable {
+                name: "the photograph".into(),
+                reason: format!("its colours are too few or too alike for {count} layers"),
+            };
+            return Ok((map.ok_or_else(fail)?, count, "as asked".into()));
+        }
+        let extent = measured.reach * thick;
+        if measured.contrast < LEAST_CONTRAST {
+            let contrast = measured.contrast;
+            let why = format!(
+                "colours hardly differ from place to place ({contrast:.4}, layers {LEAST_CONTRAST} or more)"
+            );
+            return Ok((one(), 1, why));
+        }
+        let Some(pair) = pair.filter(|_| extent >= least) else {
+            let why = format!(
+                "differences of colour are those of small elements and grain ({extent:.2}, layers {least} or more)"
+            );
+            return Ok((one(), 1, why));
+        };
+        let reached = format!("differences of colour reach far ({extent:.2} of {least})");
+        if let Some(three) =
+            clustering.split(3).filter(|map| clustering.difference(map, 3, planes) >= LEAST_DIFFERENCE)
+        {
+            let thin = thickness(&three, 3);
+            if thin >= LEAST_THICKNESS {
+                return Ok((
+                    three,
+                    3,
+                    format!(
+                        "{reached} and three layers are thick enough ({thin:.2} of {LEAST_THICKNESS:.2})"
+                    ),
+                ));
+            }
             return Ok((
-                three,
-                3,
-                format!("{reached} and three layers are thick enough ({thin:.2} of {LEAST_THICKNESS:.2})"),
+                pair,
+                2,
+                format!("{reached}, a third layer would be too thin ({thin:.2} of {LEAST_THICKNESS:.2})"),
             ));
         }
-        return Ok((
-            pair,
-            2,
-            format!("{reached}, a third layer would be too thin ({thin:.2} of {LEAST_THICKNESS:.2})"),
-        ));
+        Ok((pair, 2, format!("{reached}, there is no third colour")))
     }
-    Ok((pair, 2, format!("{reached}, there is no third colour")))
 }
 
 /// The labels at the size of the photograph, in the given order, with mean colours and names. `planes` are those of
@@ -224,22 +270,21 @@ fn means(map: &LabelMap, count: usize, planes: &[Plane; 3]) -> Vec<[f32; 3]> {
 }
 
 /// The points to cluster.
-struct Clustering<'a> {
+struct Clustering {
     size: [usize; 2],
     points: Vec<[f64; 3]>,
-    planes: &'a [Plane; 3],
     seed: u64,
 }
 
-impl<'a> Clustering<'a> {
-    fn new(planes: &'a [Plane; 3], seed: u64) -> Self {
+impl Clustering {
+    fn new(planes: &[Plane; 3], seed: u64) -> Self {
         let size = planes[0].size;
         let sigma = size[0].min(size[1]) as f32 * BLURS[0];
         let [l, a, b] = planes.each_ref().map(|plane| plane.blurred(sigma, [false; 2]));
         let points = (0..l.values.len())
             .map(|i| [LIGHTNESS * l.values[i], a.values[i], b.values[i]].map(f64::from))
             .collect();
-        Self { size, points, planes, seed }
+        Self { size, points, seed }
     }
 
     /// A single layer.
@@ -248,8 +293,8 @@ impl<'a> Clustering<'a> {
     }
 
     /// The least difference between the mean colours of two layers.
-    fn difference(&self, map: &LabelMap, count: usize) -> f32 {
-        let colours = means(map, count, self.planes);
+    fn difference(&self, map: &LabelMap, count: usize, planes: &[Plane; 3]) -> f32 {
+        let colours = means(map, count, planes);
         let pairs = (0..count).flat_map(|a| (a + 1..count).map(move |b| (a, b)));
         let differences = pairs.map(|(a, b)| libm::sqrtf(squared_distance(colours[a], colours[b])));
         differences.fold(f32::INFINITY, f32::min)

@@ -32,7 +32,7 @@ pub use boundary::shape_distance;
 pub use carried::LayerExemplar;
 pub use carrier::Carrier;
 pub use continuous::{continuous, discrete};
-pub use find::{Count, Decision, FindParams, FoundLayers, find};
+pub use find::{Count, Decision, FindParams, FoundLayers, LayerSearch, find};
 pub use map::{Contacts, LayerMap, LayerRegion, MOST_LAYERS, MapLayer};
 pub use picture::{LayerPicture, hole};
 pub use terrain::Terrain;

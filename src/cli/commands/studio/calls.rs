@@ -1,11 +1,13 @@
 //! The calls of the page: what it asks, and what it changes.
 
-use super::desk::{DOCUMENT, Desk, Opened, SIDE_FILES, SideFile, put_beside};
+use super::command_lines::{Commands, Wanted};
+use super::drawing;
 use super::knobs::{stage_of, table};
-use super::lines::{Commands, Wanted};
+use super::opened::{DOCUMENT, Opened, put_beside};
 use super::session::{Fault, Session, VARIANTS, WorkSession};
+use super::settings::StudioSettings;
 use super::stages;
-use super::state::{active, state};
+use super::state::{active, nothing_open, state};
 use crate::cli::failure::Failure;
 use crate::cli::on_threads;
 use crate::cli::options::render::RenderParameters;
@@ -21,7 +23,6 @@ use vtex::output::file::Format;
 use vtex::output::png;
 use vtex::scene::Scene;
 use vtex::synth::reconstruct;
-use vtex_studio::elements::Mending;
 use vtex_studio::work::{StudioWork, file_name};
 use vtex_studio::{App, Content, StudioAnswer, StudioCall, Verb};
 
@@ -104,39 +105,35 @@ struct Variants {
     more: bool,
 }
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Mend {
-    /// The version of the elements that the page shows.
-    version: u64,
-    mending: Mending,
-}
-
 /// Most operations, and most characters of a text that the page sets.
 const OPERATIONS: usize = 100;
 const CHARACTERS: usize = 1000;
 
 /// Changes something.
 fn changed(session: &Arc<Session>, call: &StudioCall) -> Answered {
-    if call.name == "open" {
-        return open(session, call);
+    match &call.name[..] {
+        "open" => open(session, call)?,
+        "cancel" => session.cancel(),
+        "mend" => drawing::mend(session, content(call)?)?,
+        "draw" => drawing::draw(session, content(call)?)?,
+        "paint" => drawing::paint(session, call)?,
+        "side" => drawing::side(session, call)?,
+        _ => return set(session, call),
     }
-    if call.name == "cancel" {
-        session.cancel();
-        return Ok(StudioAnswer::json(&json!({})));
-    }
+    Ok(StudioAnswer::json(&json!({})))
+}
+
+/// Changes something that takes no time.
+fn set(session: &Arc<Session>, call: &StudioCall) -> Answered {
     let mut state = session.state();
     let work = &mut *state;
-    if work.sessions.is_empty() {
-        return Err(Failure::failed("nothing is open").into());
-    }
     let active = work.active;
-    let one = &mut work.sessions[active];
+    let one = work.sessions.get_mut(active).ok_or_else(nothing_open)?;
     match &call.name[..] {
         "set" => {
             let SetOption { name, value } = content(call)?;
-            let desk = with_option(one.desk(), &name, value)?;
-            put(one, &name, desk)?;
+            let settings = with_option(one.settings(), &name, value)?;
+            put(one, &name, settings)?;
         }
         "seed" => {
             let SetSeed { seed } = content(call)?;
@@ -145,7 +142,7 @@ fn changed(session: &Arc<Session>, call: &StudioCall) -> Answered {
                 seed.map_or_else(|| Ok(Seed::chosen()), |text| text.parse()).map_err(Failure::usage)?;
             // Each throw of the dice is a step of its own.
             let what = if chosen { "" } else { "seed" };
-            put(one, what, Desk { seed: seed.0, ..one.desk().clone() })?;
+            put(one, what, StudioSettings { seed: seed.0, ..one.settings().clone() })?;
             if chosen {
                 one.variants_of = seed.0;
                 one.thumbnails.clear();
@@ -159,13 +156,12 @@ fn changed(session: &Arc<Session>, call: &StudioCall) -> Answered {
             if operations.iter().any(|text| text.len() > CHARACTERS) {
                 return Err(Failure::usage("an operation is too long").into());
             }
-            put(one, &what, Desk { operations, ..one.desk().clone() })?;
+            put(one, &what, StudioSettings { operations, ..one.settings().clone() })?;
         }
-        "mend" => mend(one, content(call)?)?,
-        "side" => side(one, call)?,
         "variants" => {
             let Variants { show, more } = content(call)?;
             one.wants_variants = show;
+            one.variants_fault = None;
             if more {
                 one.variants_of = one.variants_of.wrapping_add(VARIANTS);
                 one.thumbnails.clear();
@@ -175,51 +171,54 @@ fn changed(session: &Arc<Session>, call: &StudioCall) -> Answered {
             one.step(call.name == "undo");
         }
         "anew" => {
-            let fresh = Desk::new(session.seed);
+            let fresh = StudioSettings::new(session.seed);
             one.change("", fresh);
             one.restored = false;
         }
         "resume" => {}
         "choose" => {
-            let index: usize = content(call)?;
-            if index >= work.sessions.len() {
-                return Err(Failure::failed("that is not open").into());
-            }
-            work.active = index;
+            let id: u64 = content(call)?;
+            let index = work.sessions.iter().position(|one| one.id == id);
+            work.active = index.ok_or_else(|| Failure::failed("that is not open"))?;
         }
         _ => return Ok(unknown()),
     }
-    let active = work.active;
-    if !matches!(&call.name[..], "variants" | "choose" | "resume") {
-        work.sessions[active].keep();
-    }
+    let id = work.sessions[work.active].id;
     session.changed(work);
+    drop(state);
+    if !matches!(&call.name[..], "variants" | "choose" | "resume") {
+        session.keep(id);
+    }
     Ok(StudioAnswer::json(&json!({})))
 }
 
 /// What is set, with another value of an option.
-fn with_option(desk: &Desk, name: &str, value: Option<String>) -> Result<Desk, Failure> {
+fn with_option(
+    settings: &StudioSettings,
+    name: &str,
+    value: Option<String>,
+) -> Result<StudioSettings, Failure> {
     if stage_of(name).is_none() {
         return Err(Failure::usage("there is no option of that name here"));
     }
-    let mut desk = desk.clone();
+    let mut settings = settings.clone();
     match value {
         Some(value) if value.len() > CHARACTERS => return Err(Failure::usage("the value is too long")),
-        Some(value) => drop(desk.options.insert(name.to_owned(), value)),
-        None => drop(desk.options.remove(name)),
+        Some(value) => drop(settings.options.insert(name.to_owned(), value)),
+        None => drop(settings.options.remove(name)),
     }
-    Ok(desk)
+    Ok(settings)
 }
 
 /// Sets something, if all of it is in range.
-fn put(one: &mut WorkSession, what: &str, desk: Desk) -> anyhow::Result<()> {
-    stages::check(&one.opened, &desk)?;
-    one.change(what, desk);
+fn put(one: &mut WorkSession, what: &str, settings: StudioSettings) -> anyhow::Result<()> {
+    stages::check(&one.opened, &settings)?;
+    one.change(what, settings);
     Ok(())
 }
 
 /// Opens a file that the page sent, which is put into the folder of the session.
-fn open(session: &Arc<Session>, call: &StudioCall) -> Answered {
+fn open(session: &Arc<Session>, call: &StudioCall) -> anyhow::Result<()> {
     let name = call.parameter("name").and_then(file_name);
     let name = name.ok_or_else(|| Failure::failed("the file has no usable name"))?;
     // Only what can be opened is put into the folder.
@@ -231,28 +230,25 @@ fn open(session: &Arc<Session>, call: &StudioCall) -> Answered {
     let known = work.sessions.iter().position(|known| known.opened.path == one.opened.path);
     match known {
         Some(index) => work.active = index,
-        None => {
-            work.sessions.push(one);
-            work.active = work.sessions.len() - 1;
-        }
+        None => work.open(one),
     }
     session.changed(&mut work);
-    Ok(StudioAnswer::json(&json!({})))
+    Ok(())
 }
 
 /// Begins work on a file, or goes on with that of last time.
 pub(super) fn begun(opened: Opened, seed: Option<Seed>) -> WorkSession {
     let path = opened.work_path();
-    let fresh = || Desk::new(seed);
+    let fresh = || StudioSettings::new(seed);
     if !path.exists() {
-        let desk = fresh();
-        return WorkSession::new(opened, desk, false);
+        let settings = fresh();
+        return WorkSession::new(opened, settings, false);
     }
     let read = StudioWork::read(&path).map_err(anyhow::Error::from);
-    let restored = read.and_then(|work| Desk::restored(&opened, &work));
-    let restored = restored.and_then(|desk| stages::check(&opened, &desk).map(|()| desk));
+    let restored = read.and_then(|work| StudioSettings::restored(&opened, &work));
+    let restored = restored.and_then(|settings| stages::check(&opened, &settings).map(|()| settings));
     match restored {
-        Ok(desk) => WorkSession::new(opened, desk, true),
+        Ok(settings) => WorkSession::new(opened, settings, true),
         Err(error) => {
             let mut one = WorkSession::new(opened, fresh(), false);
             let reason = Fault::of(&error).error;
@@ -272,47 +268,9 @@ fn moved_aside(path: &Path) -> Option<PathBuf> {
     std::fs::rename(path, &free).ok().map(|()| free)
 }
 
-/// Mends the elements that the page shows.
-fn mend(one: &mut WorkSession, Mend { version, mending }: Mend) -> anyhow::Result<()> {
-    let (Some(elements), Some(size)) = (&one.elements, one.opened.size) else {
-        return Err(Failure::failed("there are no elements to mend").into());
-    };
-    if version != one.elements_version {
-        return Err(Failure::failed("the elements have changed meanwhile").into());
-    }
-    let mut elements = (**elements).clone();
-    elements.mend(&mending).map_err(Failure::failed)?;
-    let free = |path: &PathBuf| !path.exists();
-    let endings = (1..=100).map(|n| if n == 1 { ".masks.json".into() } else { format!(".masks-{n}.json") });
-    let mut paths = endings.map(|ending: String| one.opened.beside(&ending));
-    let path = one.masks_path.clone().or_else(|| paths.find(free));
-    let path = path.unwrap_or_else(|| one.opened.beside(".masks.json"));
-    let desk = one.desk().with_elements(path.clone(), size, elements)?;
-    one.masks_path = Some(path);
-    one.change("", desk);
-    Ok(())
-}
-
-/// Sets or takes away a file that steers.
-fn side(one: &mut WorkSession, call: &StudioCall) -> anyhow::Result<()> {
-    let option = call.parameter("option").filter(|option| SIDE_FILES.contains(option));
-    let option = option.ok_or_else(|| Failure::usage("there is no such file"))?;
-    let mut desk = one.desk().clone();
-    if call.body.is_empty() {
-        desk.files.remove(option);
-        return put(one, option, desk);
-    }
-    let name = call.parameter("name").unwrap_or_default();
-    let folder = one.opened.path.parent().map(Path::to_owned).unwrap_or_default();
-    stages::check_side(option, &call.body)?;
-    let path = put_beside(&folder, name, &call.body)?;
-    desk.files.insert(option.to_owned(), Arc::new(SideFile::new(path, call.body.clone())));
-    put(one, option, desk)
-}
-
 /// The outlines of the elements, and the category of each, once they are found.
 fn elements(session: &Arc<Session>) -> Answered {
-    let (elements, version, categories, size) = {
+    let (elements, version, categories, size, known) = {
         let work = session.state();
         let one = active(&work)?;
         let (Some(elements), Some(size)) = (one.elements.clone(), one.opened.size) else {
@@ -320,24 +278,40 @@ fn elements(session: &Arc<Session>) -> Answered {
                 &json!({ "version": 0, "size": [1, 1], "outlines": [], "places": [], "categories": [] }),
             ));
         };
-        let found: Option<Vec<_>> = one.kept.library.as_ref().map(|library| {
+        let found: Option<Vec<_>> = one.results.library.as_ref().map(|library| {
             library.primaries().iter().map(|primary| primary.category.map(|id| id.index())).collect()
         });
         let found = found.filter(|found| found.len() == elements.len()).unwrap_or_default();
-        (elements, one.elements_version, found, size)
+        let known = one.outlines.clone().filter(|(version, _)| *version == one.elements_version);
+        (elements, one.elements_version, found, size, known)
     };
-    let outlines = on_threads(session.threads, || Ok(elements.outlines()))?;
+    let outlines = match known {
+        Some((_, outlines)) => outlines,
+        None => {
+            let outlines = Arc::new(on_threads(session.threads, || Ok(elements.outlines()))?);
+            let mut work = session.state();
+            if let Some(one) = work.sessions.iter_mut().find(|one| one.elements_version == version) {
+                one.outlines = Some((version, Arc::clone(&outlines)));
+            }
+            outlines
+        }
+    };
     Ok(StudioAnswer::json(
-        &json!({ "version": version, "size": size, "outlines": outlines, "places": elements.places(), "categories": categories }),
+        &json!({ "version": version, "size": size, "outlines": *outlines, "places": elements.places(), "categories": categories }),
     ))
 }
 
 /// A picture of the photograph, of its drawing back, or of the texture.
 fn picture(session: &Arc<Session>, call: &StudioCall) -> Answered {
-    let (opened, desk, library, shown) = {
+    let (opened, settings, library, shown) = {
         let work = session.state();
         let one = active(&work)?;
-        (Arc::clone(&one.opened), one.desk().clone(), one.kept.library.clone(), one.kept.shown.clone())
+        (
+            Arc::clone(&one.opened),
+            one.settings().clone(),
+            one.results.library.clone(),
+            one.results.shown.clone(),
+        )
     };
     let missing = || StudioAnswer::fault(404, "there is no such picture yet", None);
     let scale = call.parameter("scale").and_then(|text| text.parse::<f64>().ok()).unwrap_or(1.0);
@@ -354,13 +328,23 @@ fn picture(session: &Arc<Session>, call: &StudioCall) -> Answered {
         (Some("photograph"), Some(picture)) => Ok(StudioAnswer::bytes(Content::Png, picture.clone())),
         (Some("redrawn"), _) => {
             let Some(library) = library else { return Ok(missing()) };
-            let drawing = stages::drawing(&opened, &stages::shown(&opened, &desk), Some(&library))?;
+            let drawing = stages::drawing(&opened, &stages::shown(&opened, &settings), Some(&library))?;
             on_threads(session.threads, || drawn(&reconstruct(&library), drawing))
         }
         (Some("texture"), _) => {
             let Some(shown) = shown else { return Ok(missing()) };
-            let drawing = stages::drawing(&opened, &stages::shown(&opened, &desk), library.as_deref())?;
+            let drawing = stages::drawing(&opened, &stages::shown(&opened, &settings), library.as_deref())?;
             on_threads(session.threads, || drawn(&shown.scene, drawing))
+        }
+        (Some("density"), _) => {
+            let Some(map) = settings.files.get("density") else { return Ok(missing()) };
+            // What was painted is transparent where nothing was.
+            let is_png = map.bytes.starts_with(b"\x89PNG");
+            let mut bytes = if is_png { map.bytes.clone() } else { Vec::new() };
+            if !is_png {
+                png::encode_rgb(&image::load_from_memory(&map.bytes)?.into_rgb8(), &mut bytes)?;
+            }
+            Ok(StudioAnswer::bytes(Content::Png, bytes))
         }
         _ => Ok(missing()),
     }
@@ -398,24 +382,29 @@ fn commands(session: &Arc<Session>, call: &StudioCall) -> Answered {
     let wanted = wanted(call)?;
     let work = session.state();
     let one = active(&work)?;
-    let commands = Commands::new(&one.opened, one.desk(), wanted);
+    let commands = Commands::new(&one.opened, one.settings(), wanted);
     Ok(StudioAnswer::json(&json!({ "lines": commands.text(), "file": commands.result() })))
 }
 
 /// The bytes of a file.
 fn save(session: &Arc<Session>, call: &StudioCall) -> Answered {
     let wanted = wanted(call)?;
-    let (opened, desk, library, shown) = {
+    let (opened, settings, library, shown) = {
         let work = session.state();
         let one = active(&work)?;
-        let draft = one.kept.shown.as_ref().is_some_and(|shown| shown.draft);
+        let draft = one.results.shown.as_ref().is_some_and(|shown| shown.draft);
         if work.done < session.version() || work.rests || draft || work.fault.is_some() {
             let failure = Failure::failed("the texture is not finished");
             return Err(failure.hint("wait until it is, and save it then").into());
         }
-        (Arc::clone(&one.opened), one.desk().clone(), one.kept.library.clone(), one.kept.shown.clone())
+        (
+            Arc::clone(&one.opened),
+            one.settings().clone(),
+            one.results.library.clone(),
+            one.results.shown.clone(),
+        )
     };
-    let commands = Commands::new(&opened, &desk, wanted);
+    let commands = Commands::new(&opened, &settings, wanted);
     let scene = shown.as_ref().map(|shown| &*shown.scene);
     let bytes = on_threads(session.threads, || {
         stages::write(&opened, &commands, wanted.format, library.as_deref(), scene)

@@ -150,7 +150,11 @@ fn knob(arg: &Arg) -> Knob {
         None => (help.clone(), String::new()),
     };
     let default = takes.rsplit_once("default: ").map(|(_, default)| default.to_owned());
-    let choices: Vec<String> = arg.get_possible_values().iter().map(|v| v.get_name().to_owned()).collect();
+    let choices = arg.get_possible_values();
+    let choices = choices.iter().map(|v| v.get_name().to_owned());
+    // What this program was built without cannot be chosen.
+    let choices: Vec<String> =
+        choices.filter(|name| cfg!(feature = "clustered") || name != "clustered").collect();
     let value = arg.get_value_names().into_iter().flatten().map(ToString::to_string).collect::<String>();
     let is_switch = choices == ["true", "false"];
     let control = match range_of(&takes) {

@@ -1,14 +1,17 @@
 //! `vtex studio`: a page on one's own machine, to see, mend, steer, change and save a texture.
 
 mod calls;
-mod desk;
-mod kept;
+mod command_lines;
+mod drawing;
+mod follower;
 mod knobs;
-mod lines;
-mod made;
+mod opened;
+mod results;
 mod session;
+mod settings;
 mod stages;
 mod state;
+mod worker;
 
 use crate::cli::command::{Arguments, Job, Resolved};
 use crate::cli::common::Common;
@@ -19,8 +22,9 @@ use crate::cli::output::say;
 use crate::cli::values::Seed;
 use calls::{StudioApp, begun};
 use clap::Args;
-use desk::{DOCUMENT, Opened};
+use opened::{DOCUMENT, Opened};
 use session::{Session, WorkSession};
+use settings::StudioSettings;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
@@ -98,7 +102,7 @@ fn run(common: &Common, arguments: StudioArgs, seed: Option<Seed>) -> anyhow::Re
         ended.end();
         served
     })?;
-    made::work(&session);
+    worker::work(&session);
     session.end();
     let served = serving.join().map_err(|_| Failure::failed("the server broke off"))?;
     Ok(served.map_err(|e| Failure::failed(format!("the server broke off: {e}")))?)
@@ -109,10 +113,18 @@ fn opened(path: PathBuf, seed: Option<Seed>) -> anyhow::Result<WorkSession> {
     let input = Input::File(path.clone());
     let bytes = input.read()?;
     if !path.to_string_lossy().ends_with(DOCUMENT) {
-        return Ok(begun(Opened::new(path, bytes)?, seed));
+        return Ok(with_seed(begun(Opened::new(path, bytes)?, seed), seed));
     }
     let work = StudioWork::from_bytes(bytes, &input.name())?;
     let file = Input::File(path.with_file_name(&work.input.file));
     let opened = Opened::new(file.path().to_owned(), file.read()?)?;
-    Ok(begun(Opened { document: Some(path), ..opened }, seed))
+    Ok(with_seed(begun(Opened { document: Some(path), ..opened }, seed), seed))
+}
+
+/// The seed of the command line is newer than that of the work of last time, which undo brings back.
+fn with_seed(mut one: WorkSession, seed: Option<Seed>) -> WorkSession {
+    if let Some(Seed(seed)) = seed {
+        one.change("", StudioSettings { analysis_seed: seed, seed, ..one.settings().clone() });
+    }
+    one
 }

@@ -1,48 +1,59 @@
 //! The session: what is open, what was set, and what has been made of it. One thread does the long work; a
 //! change stops it, and it goes on with what is wanted now.
 
-use super::desk::{Desk, Opened};
-use super::kept::{Kept, Key, Thumbnail};
-use super::stages::analysis_key;
+use super::opened::Opened;
+use super::results::{Thumbnail, WorkResults};
+use super::settings::{SideFile, StudioSettings};
 use crate::cli::failure::explain;
 use crate::cli::interrupt;
 use crate::cli::values::Seed;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
-use vtex::Progress;
 use vtex_studio::EventHub;
 use vtex_studio::elements::ElementMasks;
 
-/// Most states that undo goes back over.
+/// Most states that undo goes back over, and most bytes of files in them.
 const HISTORY: usize = 200;
+const HISTORY_BYTES: usize = 256 << 20;
+/// Most bytes of files that are open. One more closes those that were opened first.
+const OPEN_BYTES: usize = 1 << 30;
 /// Changes of one thing within this time are one step of undo.
 const ONE_CHANGE: Duration = Duration::from_millis(1500);
-/// How often the page hears of progress at most.
-const PROGRESS: Duration = Duration::from_millis(80);
+/// Endings of files that are drawn in the page.
+pub(super) const MASKS: &str = "masks.json";
+pub(super) const DENSITY: &str = "density.png";
+pub(super) const DOMAIN: &str = "domain.svg";
 /// Number of variants that the page shows.
 pub(super) const VARIANTS: u64 = 6;
 
 /// One thing that is worked on.
 pub(super) struct WorkSession {
+    /// A number that no other has.
+    pub(super) id: u64,
     pub(super) opened: Arc<Opened>,
     /// What was set, from the beginning; and the index of what is set now.
-    history: Vec<Desk>,
+    history: Vec<StudioSettings>,
     at: usize,
     last: Option<(String, Instant)>,
-    pub(super) kept: Kept,
+    pub(super) results: WorkResults,
     /// The masks of the elements that are shown, whether mended or found.
     pub(super) elements: Option<Arc<ElementMasks>>,
     /// Whether they are mended.
     shows_mended: bool,
     /// A number that no other elements have.
     pub(super) elements_version: u64,
-    /// Where mended masks are written, once that is known.
-    pub(super) masks_path: Option<PathBuf>,
+    /// The outlines of the elements with a number, once they were asked for.
+    pub(super) outlines: Option<(u64, Arc<Vec<String>>)>,
+    /// Where what is drawn in the page is written, once that is known, by the ending.
+    pub(super) drawn_paths: BTreeMap<&'static str, PathBuf>,
     /// Whether the page shows variants.
     pub(super) wants_variants: bool,
     pub(super) thumbnails: Vec<Thumbnail>,
+    /// Why variants are missing.
+    pub(super) variants_fault: Option<Fault>,
     /// The seed before that of the first variant.
     pub(super) variants_of: u64,
     /// Whether the work of last time goes on.
@@ -88,37 +99,48 @@ pub(super) struct Session {
     pub(super) seed: Option<Seed>,
     /// The folder of files that the page sends.
     pub(super) folder: PathBuf,
+    /// Held while work is written to disk.
+    keeping: Mutex<()>,
     ended: AtomicBool,
 }
 
-/// A number for elements that are shown.
+/// A number that was not given before.
 pub(super) fn next_version() -> u64 {
     static LAST: AtomicU64 = AtomicU64::new(0);
     LAST.fetch_add(1, Ordering::Relaxed) + 1
 }
 
 impl WorkSession {
-    pub(super) fn new(opened: Opened, desk: Desk, restored: bool) -> Self {
+    pub(super) fn new(opened: Opened, settings: StudioSettings, restored: bool) -> Self {
+        let drawn = |(ending, file): (&'static str, Option<&Arc<SideFile>>)| {
+            Some((ending, file.filter(|file| file.drawn.is_some())?.path.clone()))
+        };
+        let files = |name: &str| settings.files.get(name);
+        let known =
+            [(MASKS, settings.masks.as_ref()), (DENSITY, files("density")), (DOMAIN, files("domain"))];
         Self {
-            masks_path: desk.masks.as_ref().map(|masks| masks.path.clone()),
-            elements: desk.elements.clone(),
-            shows_mended: desk.elements.is_some(),
-            variants_of: desk.seed,
+            id: next_version(),
+            outlines: None,
+            drawn_paths: known.into_iter().filter_map(drawn).collect(),
+            elements: settings.elements.clone(),
+            shows_mended: settings.elements.is_some(),
+            variants_of: settings.seed,
             opened: Arc::new(opened),
-            history: vec![desk],
+            history: vec![settings],
             at: 0,
             last: None,
-            kept: Kept::default(),
+            results: WorkResults::default(),
             elements_version: next_version(),
             wants_variants: false,
             thumbnails: Vec::new(),
+            variants_fault: None,
             restored,
             not_kept: None,
         }
     }
 
     /// What is set now.
-    pub(super) fn desk(&self) -> &Desk {
+    pub(super) fn settings(&self) -> &StudioSettings {
         &self.history[self.at]
     }
 
@@ -131,23 +153,46 @@ impl WorkSession {
     }
 
     /// Sets something else. `what` names what changed; changes of the same that follow at once are one step.
-    pub(super) fn change(&mut self, what: &str, desk: Desk) {
-        if desk == *self.desk() {
+    pub(super) fn change(&mut self, what: &str, settings: StudioSettings) {
+        if settings == *self.settings() {
             return;
         }
         let same = self.last.as_ref().is_some_and(|(last, at)| last == what && at.elapsed() < ONE_CHANGE);
         self.history.truncate(self.at + 1);
         if same && self.at > 0 {
-            self.history[self.at] = desk;
+            self.history[self.at] = settings;
         } else {
-            self.history.push(desk);
-            if self.history.len() > HISTORY {
-                self.history.remove(0);
-            }
+            self.history.push(settings);
+            self.forget(HISTORY, HISTORY_BYTES);
             self.at = self.history.len() - 1;
         }
         self.last = (!what.is_empty()).then(|| (what.to_owned(), Instant::now()));
         self.follow();
+    }
+
+    /// Drops the oldest states beyond a number of them, and of bytes. The last two stay.
+    fn forget(&mut self, states: usize, bytes: usize) {
+        while self.history.len() > states || self.history.len() > 2 && self.bytes() > bytes {
+            self.history.remove(0);
+        }
+    }
+
+    /// Bytes of the files in all that was set.
+    fn bytes(&self) -> usize {
+        let before = std::iter::once(None).chain(self.history.iter().map(Some));
+        self.history.iter().zip(before).map(|(settings, before)| settings.bytes_beyond(before)).sum()
+    }
+
+    /// Where a file that is drawn in the page is written: a name that nothing else has.
+    pub(super) fn drawn_path(&mut self, ending: &'static str) -> PathBuf {
+        let opened = &self.opened;
+        let free = || {
+            let (word, format) = ending.split_once('.').unwrap_or((ending, ""));
+            let numbered = (2..=100).map(|number| opened.beside(&format!(".{word}-{number}.{format}")));
+            let mut all = std::iter::once(opened.beside(&format!(".{ending}"))).chain(numbered);
+            all.find(|path| !path.exists()).unwrap_or_else(|| opened.beside(&format!(".{ending}")))
+        };
+        self.drawn_paths.entry(ending).or_insert_with(free).clone()
     }
 
     /// Goes a step back, or forward.
@@ -163,7 +208,7 @@ impl WorkSession {
 
     /// Shows the mended elements, as soon as they are.
     fn follow(&mut self) {
-        let mended = self.desk().elements.clone();
+        let mended = self.settings().elements.clone();
         let shown_are_mended = self.shows_mended;
         self.shows_mended = mended.is_some();
         // Without mended ones, those that were found stay until an analysis finds others.
@@ -171,12 +216,22 @@ impl WorkSession {
             self.elements = mended;
             self.elements_version = next_version();
         }
+        self.variants_fault = None;
         self.thumbnails.retain(|thumbnail| thumbnail.is_of(&self.history[self.at]));
     }
+}
 
-    /// Writes the work to disk.
-    pub(super) fn keep(&mut self) {
-        self.not_kept = self.desk().keep(&self.opened).err().map(|e| Fault::of(&e.into()).error);
+impl Work {
+    /// Adds what was opened, and makes it the active one. Where too much is open, what was opened first is closed;
+    /// its work is on disk.
+    pub(super) fn open(&mut self, one: WorkSession) {
+        self.sessions.push(one);
+        let bytes =
+            |one: &WorkSession| one.opened.bytes.len() + one.opened.picture.as_ref().map_or(0, Vec::len);
+        while self.sessions.len() > 1 && self.sessions.iter().map(bytes).sum::<usize>() > OPEN_BYTES {
+            self.sessions.remove(0);
+        }
+        self.active = self.sessions.len() - 1;
     }
 }
 
@@ -196,12 +251,29 @@ impl Session {
             threads,
             seed,
             folder,
+            keeping: Mutex::new(()),
             ended: AtomicBool::new(false),
         }
     }
 
     pub(super) fn state(&self) -> MutexGuard<'_, Work> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Writes the work of a session to disk as it is then, so that the last one to write has the newest.
+    pub(super) fn keep(&self, id: u64) {
+        let _one_at_a_time = self.keeping.lock().unwrap_or_else(PoisonError::into_inner);
+        let found = |work: &Work| work.sessions.iter().position(|one| one.id == id);
+        let (opened, settings) = {
+            let work = self.state();
+            let Some(at) = found(&work) else { return };
+            (Arc::clone(&work.sessions[at].opened), work.sessions[at].settings().clone())
+        };
+        let fault = settings.keep(&opened).err().map(|e| Fault::of(&e.into()).error);
+        let mut work = self.state();
+        if let Some(at) = found(&work) {
+            work.sessions[at].not_kept = fault;
+        }
     }
 
     /// Ends all work.
@@ -270,56 +342,6 @@ impl Session {
     }
 }
 
-/// Passes progress on to the page, and stops work that is no longer wanted.
-pub(super) struct Follower {
-    session: Arc<Session>,
-    version: u64,
-    /// The analysis that is done, if it is one: it goes on while that is wanted.
-    analysis: Option<Key>,
-    /// The stage that was told last, and when.
-    told: Mutex<(&'static str, Option<Instant>)>,
-}
-
-impl Follower {
-    pub(super) fn new(session: &Arc<Session>, version: u64) -> Self {
-        Self { session: Arc::clone(session), version, analysis: None, told: Mutex::new(("", None)) }
-    }
-
-    /// One of an analysis, which other changes than those of the analysis do not stop.
-    pub(super) fn of_analysis(session: &Arc<Session>, version: u64, key: Key) -> Self {
-        Self { analysis: Some(key), ..Self::new(session, version) }
-    }
-
-    fn is_wanted(&self) -> bool {
-        if self.version == self.session.version() {
-            return true;
-        }
-        let work = self.session.state();
-        let one = &work.sessions[work.active];
-        !work.rests && self.analysis.as_ref().is_some_and(|key| *key == analysis_key(&one.opened, one.desk()))
-    }
-}
-
-impl Progress for Follower {
-    fn advance(&self, stage: &'static str, done: u64, total: u64) -> bool {
-        let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
-        if told.0 != stage || told.1.is_none_or(|at| at.elapsed() > PROGRESS) {
-            *told = (stage, Some(Instant::now()));
-            let progress = serde_json::json!({ "stage": stage, "done": done, "total": total });
-            self.session.events.send("progress", &progress.to_string());
-        }
-        drop(told);
-        !self.session.has_ended() && self.is_wanted()
-    }
-
-    fn warn(&self, message: &str) {
-        let mut work = self.session.state();
-        if !work.warnings.iter().any(|known| known == message) {
-            work.warnings.push(message.to_owned());
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -329,11 +351,18 @@ mod tests {
         let mut png = std::io::Cursor::new(Vec::new());
         let picture = image::RgbImage::from_fn(40, 40, |x, y| image::Rgb([x as u8, y as u8, 9]));
         picture.write_to(&mut png, image::ImageFormat::Png).unwrap();
-        WorkSession::new(Opened::new("a.png".into(), png.into_inner()).unwrap(), Desk::new(None), false)
+        WorkSession::new(
+            Opened::new("a.png".into(), png.into_inner()).unwrap(),
+            StudioSettings::new(None),
+            false,
+        )
     }
 
-    fn with_size(size: &str) -> Desk {
-        Desk { options: BTreeMap::from([("size".into(), size.into())]), ..Desk::new(None) }
+    fn with_size(size: &str) -> StudioSettings {
+        StudioSettings {
+            options: BTreeMap::from([("size".into(), size.into())]),
+            ..StudioSettings::new(None)
+        }
     }
 
     #[test]
@@ -341,10 +370,12 @@ mod tests {
         let mut session = session();
         session.change("size", with_size("1"));
         session.change("size", with_size("2"));
-        session.change("seed", Desk { seed: 7, ..with_size("2") });
-        session.change("seed", Desk { seed: 7, ..with_size("2") });
-        assert!(session.step(true) && session.desk() == &with_size("2"));
-        assert!(session.step(true) && session.desk() == &Desk::new(None) && !session.step(true));
+        session.change("seed", StudioSettings { seed: 7, ..with_size("2") });
+        session.change("seed", StudioSettings { seed: 7, ..with_size("2") });
+        assert!(session.step(true) && session.settings() == &with_size("2"));
+        assert!(
+            session.step(true) && session.settings() == &StudioSettings::new(None) && !session.step(true)
+        );
         assert!(session.step(false) && session.step(false) && !session.step(false));
         assert!(session.step(true));
         session.change("", with_size("9"));
@@ -353,5 +384,23 @@ mod tests {
             session.change("", with_size(&size.to_string()));
         }
         assert_eq!(session.history.len(), HISTORY);
+    }
+
+    #[test]
+    fn undo_holds_no_more_bytes_than_it_may() {
+        let mut session = session();
+        for k in 0..6 {
+            let file = Arc::new(SideFile::new("map.png".into(), vec![k; 1000]));
+            let with_file =
+                StudioSettings { files: BTreeMap::from([("density".into(), file)]), ..with_size("9") };
+            session.change("", with_file.clone());
+            // The same file counts once.
+            session.change("", StudioSettings { seed: 7, ..with_file });
+        }
+        assert_eq!(session.bytes(), 12_000);
+        session.forget(HISTORY, 6000);
+        assert_eq!((session.bytes(), session.history.len()), (6000, 6));
+        session.forget(HISTORY, 0);
+        assert_eq!(session.history.len(), 2);
     }
 }

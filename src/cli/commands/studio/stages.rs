@@ -1,10 +1,11 @@
 //! The work of the commands, done in memory: each is read from its command line as the program itself reads
 //! it, so what the page shows is what the command would write.
 
-use super::desk::{Desk, Opened};
-use super::kept::Key;
-use super::lines::{Commands, Wanted, Words};
-use crate::cli::analysis::library_of;
+use super::command_lines::{Commands, Wanted, Words};
+use super::opened::Opened;
+use super::results::Key;
+use super::settings::{PALETTE, StudioSettings};
+use crate::cli::analysis::{KnownBefore, library_of};
 use crate::cli::command::{Arguments, Merged, Resolved};
 use crate::cli::commands::analyze::AnalyzeArgs;
 use crate::cli::commands::edit::{EditArgs, Editing};
@@ -22,12 +23,13 @@ use clap::{Args, Parser};
 use std::path::PathBuf;
 use std::sync::Arc;
 use vtex::Progress;
+use vtex::analyze::AnalysisMemory;
 use vtex::edit::{self, Files, Operation};
 use vtex::library::Library;
 use vtex::output::file::{FileKind, Format};
 use vtex::scene::Scene;
 use vtex::segment::{MasksFile, Segmenter};
-use vtex::synth::synthesize_with;
+use vtex::synth::{SynthesisMemory, synthesize_again};
 
 /// A command line of one command.
 #[derive(Parser)]
@@ -63,14 +65,14 @@ fn read<A: Args + Arguments>(words: &[String]) -> anyhow::Result<ReadCommand<A>>
 pub(super) type Listener = Arc<dyn Progress + Send>;
 
 /// The commands whose results are shown.
-pub(super) fn shown(opened: &Opened, desk: &Desk) -> Commands {
-    Commands::new(opened, desk, Wanted { format: Format::Svg, scale: None })
+pub(super) fn shown(opened: &Opened, settings: &StudioSettings) -> Commands {
+    Commands::new(opened, settings, Wanted { format: Format::Svg, scale: None })
 }
 
 /// What an analysis depends on.
-pub(super) fn analysis_key(opened: &Opened, desk: &Desk) -> Key {
-    let masks = desk.masks.as_ref().map(|masks| masks.sha256.clone()).unwrap_or_default();
-    [vec![opened.sha256.clone(), masks], shown(opened, desk).analyze.unwrap_or_default()].concat()
+pub(super) fn analysis_key(opened: &Opened, settings: &StudioSettings) -> Key {
+    let masks = settings.masks.as_ref().map(|masks| masks.sha256.clone()).unwrap_or_default();
+    [vec![opened.sha256.clone(), masks], shown(opened, settings).analyze.unwrap_or_default()].concat()
 }
 
 /// Does `vtex analyze`.
@@ -79,19 +81,21 @@ pub(super) fn analysis_key(opened: &Opened, desk: &Desk) -> Key {
 /// Options out of range, and those of the analysis.
 pub(super) fn analyze(
     opened: &Opened,
-    desk: &Desk,
+    settings: &StudioSettings,
     words: &Words,
+    memory: &mut AnalysisMemory,
     listener: Listener,
 ) -> anyhow::Result<Library> {
     let ReadCommand { arguments, common, resolved } = read::<AnalyzeArgs>(words)?;
     let (analysis, _) = arguments.analysis(&resolved.parameters)?;
     let reporter = Reporter::listening(&common, listener)?;
-    let masks = desk.masks.as_ref().map(|file| {
+    let masks = settings.masks.as_ref().map(|file| {
         let name = file.path.file_name().unwrap_or(file.path.as_os_str()).to_string_lossy();
         MasksFile::from_bytes(file.bytes.clone(), &name)
     });
     let masks = masks.transpose()?.map(|masks| Box::new(masks) as Box<dyn Segmenter>);
-    library_of(&common, &analysis, (opened.bytes.clone(), masks), &reporter)
+    let known = KnownBefore { masks, memory: Some(memory) };
+    library_of(&common, &analysis, opened.bytes.clone(), known, &reporter)
 }
 
 /// Width and height of the canvas of `vtex synth`.
@@ -105,16 +109,16 @@ pub(super) fn canvas_of(library: &Library, words: &Words) -> anyhow::Result<[u32
     Ok([parameters.width, parameters.height])
 }
 
-/// Does `vtex synth`; with `most`, on a canvas of no more square pixels.
+/// Does `vtex synth`; with `most`, on a canvas of no more square pixels. `memory` is that of the last synthesis.
 ///
 /// # Errors
 /// Options out of range, and those of the synthesis.
 pub(super) fn synthesize(
     library: &Library,
-    desk: &Desk,
+    settings: &StudioSettings,
     words: &Words,
     most: Option<f64>,
-    listener: &Listener,
+    (memory, listener): (&SynthesisMemory, &Listener),
 ) -> anyhow::Result<Scene> {
     let ReadCommand { arguments, resolved, .. } = read::<SynthArgs>(words)?;
     let (_, synthesis) = arguments.synthesis(resolved.parameters)?;
@@ -126,8 +130,8 @@ pub(super) fn synthesize(
         let reduced = |side: u32| ((f64::from(side) * share) as u32).max(1);
         (parameters.width, parameters.height) = (reduced(parameters.width), reduced(parameters.height));
     }
-    let controls = reading::controls(&synthesis.steering, &parameters, 1, &|input| desk.file(input))?;
-    let (scene, _) = synthesize_with(libraries, &parameters, &controls, &**listener)?;
+    let controls = reading::controls(&synthesis.steering, &parameters, 1, &|input| settings.file(input))?;
+    let (scene, _) = synthesize_again(libraries, &parameters, &controls, memory, &**listener)?;
     Ok(scene)
 }
 
@@ -135,10 +139,10 @@ pub(super) fn synthesize(
 ///
 /// # Errors
 /// Operations that cannot be done.
-pub(super) fn edit(scene: &Scene, words: &Words) -> anyhow::Result<Scene> {
+pub(super) fn edit(scene: &Scene, settings: &StudioSettings, words: &Words) -> anyhow::Result<Scene> {
     let ReadCommand { arguments, resolved, .. } = read::<EditArgs>(words)?;
-    let none = |input: &Input| Err(vtex::Error::read(input.path(), no_file()));
-    let Editing { operations, seed, .. } = Editing::new(arguments, resolved.parameters, &none)?;
+    let palette = |input: &Input| palette_of(settings, input);
+    let Editing { operations, seed, .. } = Editing::new(arguments, resolved.parameters, &palette)?;
     let operations: Vec<Operation> = operations.into_iter().map(|asked| asked.operation).collect();
     let canvas = [scene.width, scene.height];
     let read = |name: &str| Err(vtex::Error::read(&PathBuf::from(name), no_file()));
@@ -146,7 +150,13 @@ pub(super) fn edit(scene: &Scene, words: &Words) -> anyhow::Result<Scene> {
     Ok(edit::apply(scene.clone(), &operations, &files, seed)?.0)
 }
 
-/// The page has no files for operations.
+/// The colours of the palette that operations may name.
+fn palette_of(settings: &StudioSettings, input: &Input) -> vtex::Result<Vec<u8>> {
+    let known = settings.files.get(PALETTE).filter(|file| file.path == input.path());
+    known.map(|file| file.bytes.clone()).ok_or_else(|| vtex::Error::read(input.path(), no_file()))
+}
+
+/// The page has no other files for operations.
 fn no_file() -> std::io::Error {
     std::io::Error::other("the studio has no files for operations")
 }
@@ -204,8 +214,8 @@ pub(super) fn drawing(
 ///
 /// # Errors
 /// The first that is wrong.
-pub(super) fn check(opened: &Opened, desk: &Desk) -> anyhow::Result<()> {
-    let Commands { analyze, synth, last } = shown(opened, desk);
+pub(super) fn check(opened: &Opened, settings: &StudioSettings) -> anyhow::Result<()> {
+    let Commands { analyze, synth, last } = shown(opened, settings);
     if let Some(words) = &analyze {
         let ReadCommand { arguments, resolved, .. } = read::<AnalyzeArgs>(words)?;
         arguments.analysis(&resolved.parameters)?;
@@ -216,10 +226,9 @@ pub(super) fn check(opened: &Opened, desk: &Desk) -> anyhow::Result<()> {
     }
     if let Some(words) = last.as_ref().filter(|words| words[0] == "edit") {
         let ReadCommand { arguments, resolved, .. } = read::<EditArgs>(words)?;
-        let none = |input: &Input| Err(vtex::Error::read(input.path(), no_file()));
-        Editing::new(arguments, resolved.parameters, &none)?;
+        Editing::new(arguments, resolved.parameters, &|input| palette_of(settings, input))?;
     } else {
-        drawing(opened, &shown(opened, desk), None).map(drop)?;
+        drawing(opened, &shown(opened, settings), None).map(drop)?;
     }
     Ok(())
 }
@@ -231,6 +240,7 @@ pub(super) fn check(opened: &Opened, desk: &Desk) -> anyhow::Result<()> {
 pub(super) fn check_side(option: &str, bytes: &[u8]) -> anyhow::Result<()> {
     match option {
         "density" => vtex::control::density(bytes, option).map(drop)?,
+        PALETTE => vtex::control::palette(bytes, option).map(drop)?,
         _ => vtex::control::shape(bytes, option, [100, 100]).map(drop)?,
     }
     Ok(())

@@ -1,19 +1,28 @@
 //! The state of the session, as the page reads it.
 
-use super::desk::{Opened, SideFile};
+use super::opened::Opened;
+use super::results::Shown;
 use super::session::{Session, Work, WorkSession};
+use super::settings::SideFile;
 use crate::cli::failure::Failure;
 use crate::cli::input::InputKind;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use vtex::output::categories;
+use vtex::output::{SceneCategory, categories};
 
 /// What the page shows and can set.
 pub(super) fn state(session: &Arc<Session>) -> Value {
     let version = session.version();
     let work = session.state();
-    let open: Vec<String> = work.sessions.iter().map(|one| name_of(&one.opened)).collect();
+    let names: Vec<String> = work.sessions.iter().map(|one| name_of(&one.opened)).collect();
+    // Files of one name are told apart by their folders.
+    let title = |(one, name): (&WorkSession, &String)| {
+        let is_only = names.iter().filter(|other| *other == name).count() == 1;
+        let title = if is_only { name.clone() } else { one.opened.path.display().to_string() };
+        json!({ "id": one.id, "title": title })
+    };
+    let open: Vec<Value> = work.sessions.iter().zip(&names).map(title).collect();
     let mut state = json!({
         "version": version,
         "busy": work.done < version && !work.rests && !open.is_empty(),
@@ -21,7 +30,7 @@ pub(super) fn state(session: &Arc<Session>) -> Value {
         "fault": work.fault,
         "warnings": work.warnings,
         "open": open,
-        "active": work.active,
+        "active": work.sessions.get(work.active).map(|one| one.id),
         "folder": session.folder.display().to_string(),
     });
     if let Some(one) = work.sessions.get(work.active) {
@@ -35,10 +44,11 @@ fn name_of(opened: &Opened) -> String {
 }
 
 fn state_of(one: &WorkSession) -> Value {
-    let desk = one.desk();
-    let library = one.kept.library.as_ref();
+    let settings = one.settings();
+    let library = one.results.library.as_ref();
     let file = |file: &SideFile| file.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let files: BTreeMap<_, _> = desk.files.iter().map(|(k, v)| (k, file(v))).collect();
+    let side = |side: &SideFile| json!({ "name": file(side), "sum": side.sha256[..16], "drawn": side.drawn.is_some() });
+    let files: BTreeMap<_, _> = settings.files.iter().map(|(k, v)| (k, side(v))).collect();
     let kind = match one.opened.kind {
         InputKind::Image => "photograph",
         InputKind::Svg => "drawing",
@@ -46,14 +56,15 @@ fn state_of(one: &WorkSession) -> Value {
         _ => "scene",
     };
     json!({
+        "id": one.id,
         "name": name_of(&one.opened),
         "kind": kind,
         "size": one.opened.size,
-        "options": desk.options,
-        "seed": desk.seed.to_string(),
-        "operations": desk.operations,
+        "options": settings.options,
+        "seed": settings.seed.to_string(),
+        "operations": settings.operations,
         "files": files,
-        "mended": desk.masks.as_ref().map(|masks| file(masks)),
+        "mended": settings.masks.as_ref().map(|masks| file(masks)),
         "undo": one.can_undo(),
         "redo": one.can_redo(),
         "restored": one.restored,
@@ -64,12 +75,13 @@ fn state_of(one: &WorkSession) -> Value {
             "count": elements.len(),
         })),
         "analysis": library.map(|library| json!({
+            "version": one.results.library_version,
             "primaries": library.primaries().len(),
             "secondaries": library.secondaries().len(),
             "coverage": library.coverage,
             "warnings": library.source.warnings,
         })),
-        "texture": one.kept.shown.as_ref().map(|shown| json!({
+        "texture": one.results.shown.as_ref().map(|shown| json!({
             "number": shown.number,
             "width": shown.scene.width,
             "height": shown.scene.height,
@@ -77,11 +89,24 @@ fn state_of(one: &WorkSession) -> Value {
             "draft": shown.draft,
             "tiles": [shown.scene.tile.x, shown.scene.tile.y],
             "elements": shown.scene.count(),
-            "categories": categories(&shown.plain),
+            "categories": categories_of(shown),
             "layers": shown.scene.layers.iter().map(|layer| &layer.name).collect::<Vec<_>>(),
         })),
-        "variants": json!({ "show": one.wants_variants, "made": one.thumbnails }),
+        "variants": json!({ "show": one.wants_variants, "made": one.thumbnails, "fault": one.variants_fault }),
     })
+}
+
+/// The categories of the scene before operations, and their colours now.
+fn categories_of(shown: &Shown) -> Vec<Value> {
+    let now = categories(&shown.scene);
+    let with_colour = |category: SceneCategory| {
+        let own = now.iter().find(|now| (now.library, now.category) == (category.library, category.category));
+        let colour = own.map_or(category.colour, |own| own.colour);
+        let mut value = json!(category);
+        value["now"] = json!(colour);
+        value
+    };
+    categories(&shown.plain).into_iter().map(with_colour).collect()
 }
 
 /// What is worked on.
@@ -89,5 +114,9 @@ fn state_of(one: &WorkSession) -> Value {
 /// # Errors
 /// Nothing that is open.
 pub(super) fn active(work: &Work) -> Result<&WorkSession, Failure> {
-    work.sessions.get(work.active).ok_or_else(|| Failure::failed("nothing is open"))
+    work.sessions.get(work.active).ok_or_else(nothing_open)
+}
+
+pub(super) fn nothing_open() -> Failure {
+    Failure::failed("nothing is open")
 }

@@ -46,7 +46,7 @@ use vtex_base::progress::advance;
 use vtex_base::raster::picture::label_colour;
 use vtex_base::raster::{LabelMap, Mask};
 use vtex_base::sampling::stream;
-use vtex_field::correspondence::{CanvasRequest, CorrespondenceField, Islands, find};
+use vtex_field::correspondence::{CanvasRequest, CorrespondenceField, Islands, find_again};
 use vtex_field::layers::{Carrier, LayerExemplar, LayerMap};
 use vtex_scene::lattice::{Lattice, Phases};
 use vtex_scene::library::Library;
@@ -123,7 +123,7 @@ impl Correspondence {
         };
         let active = shares::active(context, size, place);
         let request = CanvasRequest { pages: &pages.pages, size, wrap, groups, active, seed: params.seed };
-        let field = find(&request, progress)?;
+        let field = find_again(&request, context.memory, progress)?;
         let this = Self { pages, field, lattices, margin };
         progress.picture("correspondence", &|| this.picture(libraries, model, params));
         progress.picture("islands", &|| this.islands_picture(params));

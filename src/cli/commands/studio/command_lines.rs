@@ -1,7 +1,8 @@
 //! The command lines that make what the page shows.
 
-use super::desk::{Desk, Opened};
 use super::knobs::{Stage, stage_of};
+use super::opened::Opened;
+use super::settings::{STEERING, StudioSettings};
 use crate::cli::format::default_name;
 use crate::cli::input::InputKind;
 use std::path::Path;
@@ -31,12 +32,12 @@ pub(super) struct Commands {
 
 impl Commands {
     /// The commands for a result of some work.
-    pub(super) fn new(opened: &Opened, desk: &Desk, wanted: Wanted) -> Self {
-        let name = |word: &str, format| default_name(&opened.path, word, format).display().to_string();
-        let file = opened.path.display().to_string();
+    pub(super) fn new(opened: &Opened, settings: &StudioSettings, wanted: Wanted) -> Self {
+        let name = |word: &str, format| as_word(&default_name(&opened.path, word, format));
+        let file = as_word(&opened.path);
         let library =
             if opened.kind == InputKind::Library { file.clone() } else { name("", Format::Library) };
-        let writes = |stage| options(desk, stage);
+        let writes = |stage| options(settings, stage);
         let result = |word: &str| {
             let mut words = vec!["-o".to_owned(), name(word, wanted.format)];
             if wanted.format != Format::Scene {
@@ -49,27 +50,31 @@ impl Commands {
         };
         let mut commands = Self::default();
         if matches!(opened.kind, InputKind::Image | InputKind::Svg) {
-            let seed = desk.analysis_seed.to_string();
+            let seed = settings.analysis_seed.to_string();
             let mut words =
                 vec!["analyze".into(), file.clone(), "-o".into(), library.clone(), "--seed".into(), seed];
-            words.extend(desk.masks.iter().flat_map(|masks| named("--masks", &masks.path)));
+            words.extend(settings.masks.iter().flat_map(|masks| named("--masks", &masks.path)));
             // Masks of a file need no segmenter, and the program refuses both.
-            let kept = |word: &String| desk.masks.is_none() || !word.starts_with("--segmenter=");
+            let kept = |word: &String| settings.masks.is_none() || !word.starts_with("--segmenter=");
             words.extend(writes(Stage::Analyze).into_iter().filter(kept));
             commands.analyze = Some(words);
             if wanted.format == Format::Library {
                 return commands;
             }
         }
-        let edits = !desk.operations.is_empty();
+        let edits = !settings.operations.is_empty();
         let scene = if opened.kind == InputKind::Scene { file } else { name("texture", Format::Scene) };
         if opened.kind != InputKind::Scene {
             let mut words = vec!["synth".into(), library];
             words.extend(if edits { vec!["-o".to_owned(), scene.clone()] } else { result("texture") });
-            words.extend(["--seed".into(), desk.seed.to_string()]);
+            words.extend(["--seed".into(), settings.seed.to_string()]);
             words.extend(writes(Stage::Synth));
             words.extend(
-                desk.files.iter().flat_map(|(option, file)| named(&format!("--{option}"), &file.path)),
+                settings
+                    .files
+                    .iter()
+                    .filter(|(option, _)| STEERING.contains(&&option[..]))
+                    .flat_map(|(option, file)| named(&format!("--{option}"), &file.path)),
             );
             commands.synth = Some(words);
         } else if !edits {
@@ -77,7 +82,7 @@ impl Commands {
         }
         if edits {
             let mut words = [vec!["edit".to_owned(), scene], result("edited")].concat();
-            words.extend(desk.operations.iter().flat_map(|text| ["--op".to_owned(), text.clone()]));
+            words.extend(settings.operations.iter().flat_map(|text| ["--op".to_owned(), text.clone()]));
             commands.last = Some(words);
         }
         commands
@@ -86,7 +91,8 @@ impl Commands {
     /// The name of the file that the last of them writes.
     pub(super) fn result(&self) -> Option<&str> {
         let last = [&self.last, &self.synth, &self.analyze].into_iter().flatten().next()?;
-        last.iter().skip_while(|word| *word != "-o").nth(1).map(String::as_str)
+        let path = last.iter().skip_while(|word| *word != "-o").nth(1)?;
+        Path::new(path).file_name()?.to_str()
     }
 
     /// The commands as they are typed, one a line.
@@ -101,13 +107,19 @@ impl Commands {
 }
 
 /// The options of a stage that are set.
-fn options(desk: &Desk, stage: Stage) -> Words {
-    let own = desk.options.iter().filter(|(name, _)| stage_of(name) == Some(stage));
+fn options(settings: &StudioSettings, stage: Stage) -> Words {
+    let own = settings.options.iter().filter(|(name, _)| stage_of(name) == Some(stage));
     own.map(|(name, value)| format!("--{name}={value}")).collect()
 }
 
 fn named(option: &str, path: &Path) -> [String; 2] {
-    [option.to_owned(), path.display().to_string()]
+    [option.to_owned(), as_word(path)]
+}
+
+/// A path that is not taken for an option.
+fn as_word(path: &Path) -> String {
+    let path = path.display().to_string();
+    if path.starts_with('-') { format!("./{path}") } else { path }
 }
 
 /// A word as a shell reads it back.
@@ -124,7 +136,17 @@ fn quoted(word: &str) -> String {
 
 #[cfg(test)]
 mod tests {
+    use super::super::opened::tests::opened;
     use super::*;
+
+    #[test]
+    fn a_name_that_begins_with_a_dash_is_no_option() {
+        let opened = opened("-leaf.png".into());
+        let wanted = Wanted { format: Format::Svg, scale: None };
+        let commands = Commands::new(&opened, &StudioSettings::new(None), wanted);
+        assert_eq!(commands.analyze.as_ref().unwrap()[1..4], ["./-leaf.png", "-o", "./-leaf.lib.json"]);
+        assert_eq!(commands.result(), Some("-leaf.texture.svg"));
+    }
 
     #[cfg(unix)]
     #[test]

@@ -1,6 +1,6 @@
 //! Results of the long work, kept under what makes them.
 
-use super::desk::Desk;
+use super::settings::StudioSettings;
 use serde::Serialize;
 use std::sync::Arc;
 use vtex::library::Library;
@@ -49,11 +49,13 @@ pub(super) struct Shown {
 
 /// Results of one thing that is worked on.
 #[derive(Default)]
-pub(super) struct Kept {
+pub(super) struct WorkResults {
     pub(super) libraries: Results<Library>,
     pub(super) scenes: Results<Scene>,
     /// The library of the texture that is shown.
     pub(super) library: Option<Arc<Library>>,
+    /// A number that no other library has.
+    pub(super) library_version: u64,
     pub(super) shown: Option<Shown>,
 }
 
@@ -65,7 +67,7 @@ pub(super) struct Thumbnail {
     #[serde(skip)]
     pub(super) png: Vec<u8>,
     #[serde(skip)]
-    pub(super) of: Desk,
+    pub(super) of: StudioSettings,
 }
 
 fn as_text<S: serde::Serializer>(seed: &u64, serializer: S) -> Result<S::Ok, S::Error> {
@@ -74,7 +76,7 @@ fn as_text<S: serde::Serializer>(seed: &u64, serializer: S) -> Result<S::Ok, S::
 
 impl Thumbnail {
     /// Whether it shows a variant of what is set.
-    pub(super) fn is_of(&self, desk: &Desk) -> bool {
-        Desk { seed: self.seed, ..desk.clone() } == self.of
+    pub(super) fn is_of(&self, settings: &StudioSettings) -> bool {
+        StudioSettings { seed: self.seed, ..settings.clone() } == self.of
     }
 }
