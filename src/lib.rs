@@ -338,8 +338,8 @@ pub mod statistics {
 pub mod synth {
     #[doc(inline)]
     pub use vtex_arrange::synth::{
-        CategoryReport, ClusterReport, Controls, StratumReport, Structure, StructureGuide, SynthReport,
-        default_size, layer_map, reconstruct, synthesize, synthesize_with,
+        CategoryReport, ClusterReport, Controls, CurveReport, StratumReport, Structure, StructureGuide,
+        SynthReport, default_size, layer_map, reconstruct, synthesize, synthesize_with,
     };
 }
 

@@ -2,7 +2,7 @@
 
 use crate::context::{Context, contexts, difference, shares};
 use crate::input::{CONTEXT_WEIGHT, InputSamples};
-use crate::space::PeriodicPlane;
+use vtex_base::geometry::plane::PeriodicPlane;
 use vtex_base::parallel;
 
 /// Samples in clusters.

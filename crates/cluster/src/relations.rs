@@ -3,9 +3,9 @@
 
 use crate::figures::{ClusterExemplar, Figure};
 use crate::raster::{FigurePixels, pixels};
-use crate::space::{PeriodicPlane, PointIndex, length};
 use std::collections::BTreeMap;
 use vtex_base::geometry::Point;
+use vtex_base::geometry::plane::{PeriodicPlane, PointIndex, length};
 use vtex_base::parallel;
 
 /// Neighbours known of each element.
