@@ -107,7 +107,7 @@ impl CurveExemplar {
             nodes.len() as u32 - 1
         };
         for (a, step) in steps.iter().enumerate() {
-            if a % (64 * AT_ONCE) == 0 {
+            if a.is_multiple_of(64 * AT_ONCE) {
                 go_on()?;
             }
             let line = &lines[step.line as usize];
@@ -125,7 +125,7 @@ impl CurveExemplar {
             });
         }
         for (l, line) in lines.iter().enumerate() {
-            if l % AT_ONCE == 0 {
+            if l.is_multiple_of(AT_ONCE) {
                 go_on()?;
             }
             let last = line.points.len() - 1;
@@ -163,7 +163,7 @@ impl CurveExemplar {
         let step = (2.0 * self.weld).max(total / MOST_STEPS);
         let mut fresh: Vec<SteppedLine> = Vec::new();
         for (k, stroke) in strokes.iter().enumerate() {
-            if k % AT_ONCE == 0 {
+            if k.is_multiple_of(AT_ONCE) {
                 go_on()?;
             }
             let points = divided(stroke, step);

@@ -311,7 +311,7 @@ fn join(output: &mut CurveOutput, patches: &[Patch], input: &CurveInput) {
                 let other = patch.samples.binary_search_by_key(&end, |s| s.0);
                 match other {
                     Ok(k) if inside => {
-                        if h % 2 == 0 {
+                        if h.is_multiple_of(2) {
                             let ends = [sample, patch.samples[k].1];
                             let from = [Some(h), Some(h ^ 1)];
                             output.edges.push(JoinedEdge { ends, from, style: input.graph.edge(h).style });

@@ -305,7 +305,7 @@ fn of_path(line: &Line, style: u32) -> Vec<CurveStroke> {
     strokes
 }
 
-/// ThinLines through their points, and whether they are closed.
+/// Lines through their points, and whether they are closed.
 type ThinLines = Vec<(Vec<[f64; 2]>, bool)>;
 
 /// The centre lines of outlines, and their mean width.

@@ -187,6 +187,11 @@ impl Vicinity {
         self.starts[i] as usize..self.starts[i + 1] as usize
     }
 
+    /// Whether no point has a list.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
     /// How many points have a list.
     pub fn len(&self) -> usize {
         self.starts.len() - 1
