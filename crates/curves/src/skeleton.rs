@@ -116,9 +116,9 @@ fn thinned(ink: &Ink, go_on: &dyn Fn() -> Result<()>) -> Result<Ink> {
                 let rises = (0..8).filter(|&k| !p[k] && p[(k + 1) % 8]).count();
                 let [north, _, east, _, south, _, west, _] = p;
                 let open = if second {
-                    !(north && east && west) && !(north && south && west)
+                    !(north && west && (east || south))
                 } else {
-                    !(north && east && south) && !(east && south && west)
+                    !(east && south && (north || west))
                 };
                 (2..=6).contains(&count) && rises == 1 && open
             };
