@@ -99,7 +99,7 @@ const WRITING: [Seconds; 1] = [("writing", 0.03, 0.35)];
 
 /// Seconds of stages in their order, for a command without a plan: the order tells which stages lie before
 /// and after the present one. Half of the later stages are assumed to occur.
-const ANY: [(&str, f64); 28] = [
+const ANY: [(&str, f64); 29] = [
     ("reading", 0.1),
     ("loading", 0.1),
     ("merging regions", 0.9),
@@ -118,6 +118,7 @@ const ANY: [(&str, f64); 28] = [
     ("structure", 2.0),
     ("carrying", 0.5),
     ("placement", 2.0),
+    ("curves", 5.0),
     ("density", 0.5),
     ("secondaries", 0.5),
     ("background field", 0.2),

@@ -13,7 +13,7 @@ use vtex::output::reduce::GivenUp;
 use vtex::raster::colour::Colour;
 use vtex::scene::{Method, Role, Scene};
 use vtex::statistics::{Overlap, Repetition};
-use vtex::synth::{CategoryReport, ClusterReport, Structure, SynthReport, layer_map};
+use vtex::synth::{CategoryReport, ClusterReport, CurveReport, Structure, SynthReport, layer_map};
 
 /// The summary of a command.
 #[derive(Debug, Serialize)]
@@ -76,6 +76,9 @@ pub(crate) struct Summary {
     /// What the optimisation of clustered samples did.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) clusters: Option<ClusterReport>,
+    /// What the synthesis of curves did.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) curves: Option<CurveReport>,
     /// Seconds by stage, in the order of the stages.
     pub(crate) seconds: Seconds,
     /// Most memory used, in bytes, where the system tells.
@@ -120,6 +123,7 @@ impl Summary {
             repetition: None,
             period: None,
             clusters: None,
+            curves: None,
             seconds: Seconds(seconds),
             peak_memory: peak_memory(),
             warnings,
@@ -431,6 +435,9 @@ impl Summary {
             Some(Method::Clustered) => {
                 Some("arranged by clusters of samples, as the neighbourhoods of the drawing (clustered)")
             }
+            Some(Method::Curves) => {
+                Some("made anew as curves, as the neighbourhoods of the drawing (curves)")
+            }
             Some(Method::Auto) | None => None,
         };
         if let Some(how) = placed {
@@ -441,6 +448,9 @@ impl Summary {
         }
         if let Some(clusters) = &self.clusters {
             say(&format!("  {}", optimised(clusters)));
+        }
+        if let Some(curves) = &self.curves {
+            say(&format!("  {}", run_on(curves)));
         }
         if let Some(structure) = &self.structure {
             say(&format!("  {}", structure_text(structure)));
@@ -463,6 +473,16 @@ fn optimised(clusters: &ClusterReport) -> String {
     format!(
         "{samples} samples in {iterations} iterations: {switched} changed clusters, {merged} merged, {split} split; \
          {moved} elements moved apart, {removed} removed, {added} added"
+    )
+}
+
+/// What the synthesis of curves did, in a line.
+fn run_on(curves: &CurveReport) -> String {
+    let CurveReport { samples, iterations, paths, joined, attached, removed, ends, .. } = curves;
+    let [drawn, made] = ends;
+    format!(
+        "{samples} samples in {iterations} iterations, {paths} paths: {joined} pairs of loose ends joined, {attached} led \
+         to a line, {removed} samples removed; {made:.2} ends for each 1000 units of line, {drawn:.2} in the drawing"
     )
 }
 

@@ -209,6 +209,7 @@ impl FinishedTexture<'_> {
             repetition: Some(report.repetition),
             period: report.period,
             clusters: report.clusters,
+            curves: report.curves,
             ..Summary::new(command, inputs, targets.path(), written, reporter)
         };
         // `warp` uses the scene's own seed unless one was given.

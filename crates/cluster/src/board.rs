@@ -1,7 +1,7 @@
 //! Elements on the canvas, one by one: which are near, and which clash.
 
 use crate::relations::PlaceRelations;
-use crate::space::{PeriodicPlane, length};
+use vtex_base::geometry::plane::{PeriodicPlane, length};
 
 /// An element on the canvas: one of the exemplar's places, moved.
 #[derive(Clone, Copy, Debug, PartialEq)]

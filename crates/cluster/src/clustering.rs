@@ -6,14 +6,14 @@
 
 use crate::cut::normalised_cut;
 use crate::input::InputSamples;
-use crate::matching::DenseAssignment;
 use crate::output::OutputSamples;
 use crate::shape_energy::shape_match;
-use crate::space::length;
 use crate::votes::PairVotes;
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
 use vtex_base::error::Result;
+use vtex_base::geometry::dense::DenseAssignment;
+use vtex_base::geometry::plane::length;
 use vtex_base::parallel;
 
 /// Weight of the shape energy (w_s); that of the link energy is 1.

@@ -18,7 +18,7 @@ pub(crate) type Context = [u8; BINS];
 const BOUNDS: [f64; DISTANCES - 1] = [0.125, 0.25, 0.5, 1.0];
 
 fn bin(way: [f64; 2], unit: f64) -> usize {
-    let far = crate::space::length(way) / unit;
+    let far = vtex_base::geometry::plane::length(way) / unit;
     let class = BOUNDS.iter().filter(|b| far > **b).count();
     let turn = libm::atan2(way[1], way[0]) / std::f64::consts::TAU;
     let sector = (turn * DIRECTIONS as f64 + DIRECTIONS as f64 + 0.5) as usize % DIRECTIONS;
@@ -45,8 +45,10 @@ pub(crate) fn unit<'a>(clusters: impl Iterator<Item = &'a [[f64; 2]]>) -> f64 {
     for points in clusters.filter(|c| c.len() > 1) {
         let mut total = 0.0;
         for (i, p) in points.iter().enumerate() {
-            total +=
-                points[..i].iter().map(|q| crate::space::length([q[0] - p[0], q[1] - p[1]])).sum::<f64>();
+            total += points[..i]
+                .iter()
+                .map(|q| vtex_base::geometry::plane::length([q[0] - p[0], q[1] - p[1]]))
+                .sum::<f64>();
         }
         sum += total * 2.0 / (points.len() * (points.len() - 1)) as f64;
         count += 1;

@@ -2,10 +2,10 @@
 //! None is removed: elements of too few samples are dropped when they are reconstructed.
 
 use crate::input::InputSamples;
-use crate::matching::NONE;
 use crate::output::OutputSamples;
 use crate::search::Matches;
-use crate::space::{PointIndex, length};
+use vtex_base::geometry::dense::NONE;
+use vtex_base::geometry::plane::{PointIndex, length};
 
 /// Share of the neighbourhoods around a place that must miss a sample there.
 const MAJORITY: f64 = 0.5;

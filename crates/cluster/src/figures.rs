@@ -1,6 +1,6 @@
 //! Elements as the optimiser knows them, and their samples.
 
-use crate::space::{PeriodicPlane, length};
+use vtex_base::geometry::plane::{PeriodicPlane, length};
 use vtex_base::geometry::{Interior, Outline, Rect, edges};
 use vtex_base::sampling::stream;
 

@@ -7,9 +7,9 @@
 
 use crate::board::{Board, BoardElement};
 use crate::relations::PlaceRelations;
-use crate::space::{PeriodicPlane, PointIndex, length};
 use std::collections::BTreeMap;
 use vtex_base::error::Result;
+use vtex_base::geometry::plane::{PeriodicPlane, PointIndex, length};
 use vtex_base::sampling::{Stream, stream};
 
 /// Side of a block, as a share of the exemplar's mean side: two radii of the first level.

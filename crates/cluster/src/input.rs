@@ -2,9 +2,9 @@
 
 use crate::context::{BINS, Context, contexts, difference, shares, unit};
 use crate::figures::{ClusterExemplar, samples};
-use crate::space::{PeriodicPlane, PointIndex, Vicinity, length};
 use std::collections::BTreeMap;
 use vtex_base::error::Result;
+use vtex_base::geometry::plane::{PeriodicPlane, PointIndex, Vicinity, length};
 
 /// Weight of the difference of contexts (w_f of the paper), in lengths of which the exemplar has 400. The
 /// difference of colours weighs as much.

@@ -7,17 +7,17 @@ use crate::existence::add_missing;
 use crate::figures::ClusterExemplar;
 use crate::initial::{blocks, is_regular};
 use crate::input::{InputSamples, LevelScale};
-use crate::matching::NONE;
 use crate::mend::{MendCounts, fullness, mend};
 use crate::output::OutputSamples;
 use crate::positions::improve_positions;
 use crate::rebuild::{rebuilt, sampled};
 use crate::relations::PlaceRelations;
 use crate::search::search;
-use crate::space::{PeriodicPlane, length};
 use crate::votes::PairVotes;
 use std::collections::BTreeMap;
 use vtex_base::error::{Error, Large, Result};
+use vtex_base::geometry::dense::NONE;
+use vtex_base::geometry::plane::{PeriodicPlane, length};
 use vtex_base::sampling::stream;
 
 /// Mean side of the exemplar, in the lengths of the optimiser.

@@ -2,8 +2,8 @@
 
 use crate::context::{BINS, Context, contexts, difference, shares};
 use crate::input::{CONTEXT_WEIGHT, InputSamples};
-use crate::space::PeriodicPlane;
 use vtex_base::error::Result;
+use vtex_base::geometry::plane::PeriodicPlane;
 use vtex_base::parallel;
 
 /// Samples in clusters.

@@ -2,11 +2,11 @@
 
 use crate::board::{Board, BoardElement};
 use crate::input::InputSamples;
-use crate::matching::{DenseAssignment, NONE};
 use crate::output::OutputSamples;
 use crate::relations::PlaceRelations;
 use crate::shape_energy::shape_match;
-use crate::space::PeriodicPlane;
+use vtex_base::geometry::dense::{DenseAssignment, NONE};
+use vtex_base::geometry::plane::PeriodicPlane;
 use vtex_base::parallel;
 
 /// The samples of the elements on a canvas, each with its own sample of the exemplar as source.

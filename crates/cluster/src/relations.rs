@@ -3,10 +3,10 @@
 
 use crate::figures::{ClusterExemplar, Figure};
 use crate::raster::{FigurePixels, pixels};
-use crate::space::{PeriodicPlane, PointIndex, length};
 use std::collections::BTreeMap;
 use vtex_base::error::Result;
 use vtex_base::geometry::Point;
+use vtex_base::geometry::plane::{PeriodicPlane, PointIndex, length};
 use vtex_base::parallel;
 
 /// Neighbours known of each element.

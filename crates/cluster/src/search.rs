@@ -5,10 +5,10 @@
 //! the sources before, so the result does not depend on an order.
 
 use crate::input::{InputSamples, MOST_NEAR_OUTPUT};
-use crate::matching::{DenseAssignment, NONE};
 use crate::output::{ContextCosts, ContextRow, OutputSamples};
-use crate::space::{PointIndex, Vicinity, length};
 use vtex_base::error::Result;
+use vtex_base::geometry::dense::{DenseAssignment, NONE};
+use vtex_base::geometry::plane::{PointIndex, Vicinity, length};
 use vtex_base::parallel;
 
 /// Neighbours whose sources are asked.

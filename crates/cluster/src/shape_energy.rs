@@ -1,10 +1,10 @@
 //! Shape energy: how far a cluster is from the element of the exemplar that it resembles most (equations 14 to 17).
 
 use crate::input::InputSamples;
-use crate::matching::{DenseAssignment, NONE};
 use crate::output::OutputSamples;
-use crate::space::{PeriodicPlane, PointIndex, length};
 use vtex_base::geometry::assign::{Table, assign};
+use vtex_base::geometry::dense::{DenseAssignment, NONE};
+use vtex_base::geometry::plane::{PeriodicPlane, PointIndex, length};
 
 /// Elements of the exemplar compared with a cluster, at most: those that most of its samples are matched with.
 const COMPARED: usize = 4;

@@ -4,16 +4,16 @@ use crate::board::{Board, BoardElement};
 use crate::clustering::{ClusteringParts, improve_clusters};
 use crate::figures::{ClusterExemplar, Figure, FigurePlace};
 use crate::input::{InputSamples, LevelScale};
-use crate::matching::DenseAssignment;
 use crate::optimise::{ClusterParams, ClusterResult, cluster, level_of};
 use crate::output::{ContextCosts, OutputSamples};
 use crate::rebuild::{rebuilt, sampled};
 use crate::relations::PlaceRelations;
 use crate::search::{Matches, search};
 use crate::shape_energy::shape_match;
-use crate::space::{PeriodicPlane, PointIndex, Vicinity, length};
 use crate::votes::PairVotes;
 use vtex_base::error::{Error, Result};
+use vtex_base::geometry::dense::DenseAssignment;
+use vtex_base::geometry::plane::{PeriodicPlane, PointIndex, Vicinity, length};
 use vtex_base::geometry::{Outline, parse_path};
 use vtex_base::sampling::stream;
 

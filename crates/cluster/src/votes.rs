@@ -2,10 +2,10 @@
 //! equations 10 and 11), and which lies beneath the other (equations 5 to 7).
 
 use crate::input::InputSamples;
-use crate::matching::NONE;
 use crate::output::OutputSamples;
 use crate::search::Matches;
-use crate::space::{PointIndex, Vicinity};
+use vtex_base::geometry::dense::NONE;
+use vtex_base::geometry::plane::{PointIndex, Vicinity};
 use vtex_base::parallel;
 
 /// Most partners of a sample.

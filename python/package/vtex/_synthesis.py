@@ -20,7 +20,7 @@ def synthesize(
     size: int | tuple[int, int] | None = None,
     *,
     seed: int = 0,
-    method: Literal["auto", "correspondence", "descriptor", "period", "clustered"] = "auto",
+    method: Literal["auto", "correspondence", "descriptor", "period", "clustered", "curves"] = "auto",
     variation: float | None = None,
     lattice: str | Sequence[float] = "auto",
     candidates: int = 20,
@@ -56,13 +56,13 @@ def synthesize(
         or some whole periods of a periodic drawing.
     seed : int, default 0
         Seed of random choices, 0 to 2**64 - 1.
-    method : {"auto", "correspondence", "descriptor", "period", "clustered"}, default "auto"
+    method : {"auto", "correspondence", "descriptor", "period", "clustered", "curves"}, default "auto"
         How elements are placed: carried from the exemplar along a field of correspondences, one by one
         by the descriptors of their neighbours, by the period of a drawing, by clusters of samples for a
-        drawing, or as the library allows.
+        drawing, as curves for a drawing of lines that run on, or as the library allows.
     variation : float, optional
         Share of a periodic drawing's free elements that leave their places, 0 to 1. Default: 0 for a
-        regular drawing, else 1. By clusters: how readily the drawing is rearranged. Default: 1.
+        regular drawing, else 1. By clusters or as curves: how readily the drawing is rearranged. Default: 1.
     lattice : "auto", "off" or sequence of two or four floats, default "auto"
         Rows or lattice that the texture keeps to: as found in the exemplar, none, or one or two vectors
         in pixels of the exemplar, x before y.
@@ -88,7 +88,8 @@ def synthesize(
     ablate : sequence of str, default ()
         Parts of the method that are left out, for experiments: "secondary", "overlap", "density",
         "decay", "improve", "growth", "removal", "copies", "seeds", "neighbourhoods"; of clusters
-        "shape-context", "link", "shape", "switch", "merge", "split", "depth".
+        "shape-context", "link", "shape", "switch", "merge", "split", "depth"; of curves "edge", "existence",
+        "patches", "mend".
     domain : picture or SVG, optional
         The shape to fill: all filled shapes of an SVG together, fitted to the canvas, or a mask, white (1.0) inside.
     density : picture, optional

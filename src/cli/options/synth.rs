@@ -6,7 +6,7 @@ use clap::Args;
 use serde::Serialize;
 use vtex::scene::{Ablation, Edge, LatticeChoice, Method, SynthParams, Weights};
 
-const PARTS: [&str; 17] = [
+const PARTS: [&str; 21] = [
     "secondary",
     "overlap",
     "density",
@@ -24,6 +24,10 @@ const PARTS: [&str; 17] = [
     "merge",
     "split",
     "depth",
+    "edge",
+    "existence",
+    "patches",
+    "mend",
 ];
 
 /// Section `[synth]`.
@@ -38,10 +42,11 @@ pub(crate) struct SynthFlags {
     pub(crate) size: Option<Size>,
     /// How elements are placed: carried from the exemplar along a field of correspondences, which keeps
     /// structure larger than a few elements; one by one by the descriptors of their neighbours; by the
-    /// period of a drawing whose borders join; by clusters of samples, for a drawing; or as the library
-    /// allows [auto, correspondence, descriptor, period or clustered, default: auto]
+    /// period of a drawing whose borders join; by clusters of samples, for a drawing; as curves, for a
+    /// drawing of lines that run on; or as the library allows [auto, correspondence, descriptor, period, clustered
+    /// or curves, default: auto]
     #[arg(long, value_name = "METHOD", hide_possible_values = true)]
-    #[arg(value_parser = one_of(&["auto", "correspondence", "descriptor", "period", "clustered"], named::<Method>))]
+    #[arg(value_parser = one_of(&["auto", "correspondence", "descriptor", "period", "clustered", "curves"], named::<Method>))]
     pub(crate) method: Option<Method>,
     /// Share of a periodic drawing's free elements that leave their places: 0 repeats its period exactly
     #[arg(long, number_or(SynthParams::VARIATION, "0 for a regular drawing, else 1"), value_name = "SHARE")]
@@ -82,8 +87,8 @@ pub(crate) struct SynthFlags {
     #[arg(value_parser = one_of(&["keep", "clip", "avoid"], named::<Edge>))]
     pub(crate) edge: Option<Edge>,
     /// Leave parts of the method out, to see what they do: secondary, overlap, density, decay,
-    /// improve, growth, removal, copies, seeds, neighbourhoods; of clusters also shape-context, link, shape, switch, merge, split, depth
-    /// [default: none]
+    /// improve, growth, removal, copies, seeds, neighbourhoods; of clusters also shape-context, link, shape, switch, merge, split, depth;
+    /// of curves also edge, existence, patches, mend [default: none]
     #[arg(long, value_name = "PART,...", value_parser = one_of(&PARTS, named::<Ablation>), value_delimiter = ',')]
     #[arg(hide_possible_values = true)]
     pub(crate) ablate: Option<Vec<Ablation>>,

@@ -11,6 +11,8 @@ mod canvas_parts;
 mod clustered;
 pub(crate) mod compose;
 mod covered;
+#[cfg(feature = "curves")]
+mod curves;
 #[cfg(test)]
 mod motif_tests;
 mod neighbourhoods;
@@ -26,7 +28,7 @@ mod vacated;
 
 pub use crate::arrange::controls::{Controls, StructureGuide};
 pub use crate::arrange::correspondence::Structure;
-pub use report::{CategoryReport, ClusterReport, SynthReport};
+pub use report::{CategoryReport, ClusterReport, CurveReport, SynthReport};
 pub use strata::{StratumReport, layer_map};
 pub use units::{SynthesisMemory, synthesize_again, synthesize_with};
 pub use vtex_scene::reconstruct::reconstruct;
@@ -85,6 +87,9 @@ fn in_pixels(
     if method == Method::Clustered {
         return clustered(&libraries[0], params, controls, progress);
     }
+    if method == Method::Curves {
+        return curves(&libraries[0], params, controls, progress);
+    }
     if method == Method::Descriptor
         && let [library] = libraries
         && let Some(units) = MotifUnits::new(library)
@@ -140,13 +145,24 @@ use clustered::synthesize as clustered;
 /// Stands for [`clustered`] where it is left out: [`method`] refuses the method.
 #[cfg(not(feature = "clustered"))]
 fn clustered(_: &Library, _: &SynthParams, _: &Controls, _: &dyn Progress) -> Result<(Scene, SynthReport)> {
-    Err(not_built())
+    Err(not_built("clustered"))
 }
 
-#[cfg(not(feature = "clustered"))]
-fn not_built() -> Error {
-    let allowed = "where vtex was built with the feature `clustered`".into();
-    Error::Parameter { name: "method", value: "clustered".into(), allowed }
+/// A drawing of lines, made anew as curves.
+#[cfg(feature = "curves")]
+use curves::synthesize as curves;
+
+/// Stands for [`curves`] where it is left out: [`method`] refuses the method.
+#[cfg(not(feature = "curves"))]
+fn curves(_: &Library, _: &SynthParams, _: &Controls, _: &dyn Progress) -> Result<(Scene, SynthReport)> {
+    Err(not_built("curves"))
+}
+
+/// The method stands behind a feature of its name.
+#[cfg(not(all(feature = "clustered", feature = "curves")))]
+fn not_built(method: &str) -> Error {
+    let allowed = format!("where vtex was built with the feature `{method}`").into();
+    Error::Parameter { name: "method", value: method.into(), allowed }
 }
 
 /// Secondaries, then primaries, each in the layer of its stratum.
@@ -228,7 +244,11 @@ fn method(libraries: &[Library], params: &SynthParams, controls: &Controls) -> R
         #[cfg(feature = "clustered")]
         Method::Clustered => clustered::check(libraries, params, controls).map(|()| Method::Clustered),
         #[cfg(not(feature = "clustered"))]
-        Method::Clustered => Err(not_built()),
+        Method::Clustered => Err(not_built("clustered")),
+        #[cfg(feature = "curves")]
+        Method::Curves => curves::check(libraries, params, controls).map(|()| Method::Curves),
+        #[cfg(not(feature = "curves"))]
+        Method::Curves => Err(not_built("curves")),
         Method::Auto if periodic && plain => Ok(Method::Period),
         Method::Period if !periodic => Err(Error::Parameter {
             name: "method",

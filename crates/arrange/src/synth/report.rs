@@ -50,6 +50,32 @@ pub struct SynthReport {
     /// What the optimisation of clustered samples did, if it arranged the elements.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub clusters: Option<ClusterReport>,
+    /// What the synthesis of curves did, if it made the lines.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub curves: Option<CurveReport>,
+}
+
+/// Counts and measures of the synthesis of curves.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct CurveReport {
+    /// Samples on the finest level that was optimised; 0 for a canvas too large for that.
+    pub samples: usize,
+    /// Iterations over all levels.
+    pub iterations: usize,
+    /// Energy of each iteration for each sample of a neighbourhood, level by level.
+    pub energies: Vec<Vec<f64>>,
+    /// Paths of the result.
+    pub paths: usize,
+    /// Pairs of loose ends joined.
+    pub joined: usize,
+    /// Loose ends led to a line beside them.
+    pub attached: usize,
+    /// Samples of loose branches taken away.
+    pub removed: usize,
+    /// Ends of lines for each thousand units of length, of the exemplar and of the result.
+    pub ends: [f64; 2],
+    /// Total variation between the numbers of lines that meet at nodes, of the exemplar and of the result, 0 to 1.
+    pub degree_variation: f64,
 }
 
 /// Counts of the optimisation of clustered samples, over all levels.
@@ -107,6 +133,7 @@ impl SynthReport {
             repetition: Repetition::of_scene(scene, libraries),
             period: None,
             clusters: None,
+            curves: None,
         }
     }
 

@@ -2,7 +2,7 @@
 //!
 //! Works badly for few and noisy samples: an arc of three samples is not smoothed.
 
-use kurbo::{CubicBez, ParamCurve, ParamCurveDeriv, Point, Vec2};
+use kurbo::{BezPath, CubicBez, ParamCurve, ParamCurveDeriv, Point, Vec2};
 
 /// A segment of a fitted curve; it starts at the previous segment's end.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,6 +44,31 @@ pub(super) fn fit_open(
         }
     }
     out
+}
+
+/// A smooth curve through `points` (at least two) within `tolerance`, in the units of the points. It passes through the
+/// first and the last point; if they are the same, it is closed, and smooth there too where `smooth_seam` says so.
+/// `ends` are the tangents there, both pointing along the curve; `None` estimates them.
+pub fn fitted_curve(points: &[Point], ends: [Option<Vec2>; 2], tolerance: f64, smooth_seam: bool) -> BezPath {
+    let (Some(first), Some(last)) = (points.first(), points.last()) else { return BezPath::new() };
+    let closed = points.len() > 3 && first == last;
+    let (start, segments) = if closed && smooth_seam {
+        fit_closed(&points[..points.len() - 1], None, tolerance)
+    } else {
+        (*first, fit_open(points, None, ends.map(|t| t.and_then(unit)), tolerance))
+    };
+    let mut path = BezPath::new();
+    path.move_to(start);
+    for segment in segments {
+        match segment {
+            CurveSegment::Line(p) => path.line_to(p),
+            CurveSegment::Cubic(a, b, p) => path.curve_to(a, b, p),
+        }
+    }
+    if closed {
+        path.close_path();
+    }
+    path
 }
 
 /// Fits a closed curve through `points` (at least three, the first not repeated at the end). Returns

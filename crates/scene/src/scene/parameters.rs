@@ -53,7 +53,7 @@ pub struct SynthParams {
     pub ablate: Vec<Ablation>,
     /// For [`Method::Period`] the share of the movable elements that leave their place in the period: 0
     /// repeats the exemplar exactly. Default: 0 for a regular exemplar, 1 for another. For
-    /// [`Method::Clustered`] how readily the exemplar is rearranged. Default 1.
+    /// [`Method::Clustered`] and [`Method::Curves`] how readily the exemplar is rearranged. Default 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", schemars(transform = Self::VARIATION.limits()))]
     pub variation: Option<f64>,
@@ -167,6 +167,9 @@ pub enum Method {
     /// Elements are clusters of samples, which are optimised until all neighbourhoods look like those of the
     /// exemplar (Tu, Wei and Zwicker 2022). For one drawing.
     Clustered,
+    /// Lines that run on are made anew as a graph of curves, in which all neighbourhoods look like those of the
+    /// exemplar (Tu, dissertation, chapter 2). For one drawing of lines.
+    Curves,
 }
 
 /// A part of the method that can be left out.
@@ -208,11 +211,19 @@ pub enum Ablation {
     Split,
     /// The painting order is left to chance ([`Method::Clustered`]).
     Depth,
+    /// Edges do not count where neighbourhoods are compared ([`Method::Curves`]).
+    Edge,
+    /// Samples are neither added nor removed ([`Method::Curves`]).
+    Existence,
+    /// The first arrangement is noise instead of patches ([`Method::Curves`]).
+    Patches,
+    /// Loose ends are not joined or removed ([`Method::Curves`]).
+    Mend,
 }
 
 impl Ablation {
     /// All parts, in the order of declaration.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 21] = [
         Self::Secondary,
         Self::Overlap,
         Self::Density,
@@ -230,6 +241,10 @@ impl Ablation {
         Self::Merge,
         Self::Split,
         Self::Depth,
+        Self::Edge,
+        Self::Existence,
+        Self::Patches,
+        Self::Mend,
     ];
 }
 

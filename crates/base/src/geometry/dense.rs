@@ -1,15 +1,15 @@
 //! Minimum-cost assignment in a small dense table.
 //!
-//! Shortest augmenting paths (Jonker and Volgenant 1987), as [`vtex_base::geometry::assign`] does it for sparse
+//! Shortest augmenting paths (Jonker and Volgenant 1987), as [`super::super::assign`] does it for sparse
 //! tables. The work space is kept from one problem to the next. A problem whose total must exceed a bound is given up
 //! before it is solved: the sum of the least costs of its rows is a lower bound.
 
 /// Index of nothing.
-pub(crate) const NONE: u32 = u32::MAX;
+pub const NONE: u32 = u32::MAX;
 
 /// A problem, and the work space of its solution.
 #[derive(Default)]
-pub(crate) struct DenseAssignment {
+pub struct DenseAssignment {
     rows: usize,
     columns: usize,
     /// Costs, row by row.
@@ -29,7 +29,7 @@ pub(crate) struct DenseAssignment {
 
 impl DenseAssignment {
     /// Begins a problem. A row without a column costs `leave`.
-    pub(crate) fn begin(&mut self, columns: usize, leave: f64) {
+    pub fn begin(&mut self, columns: usize, leave: f64) {
         self.columns = columns;
         self.leave = leave;
         self.rows = 0;
@@ -39,7 +39,7 @@ impl DenseAssignment {
 
     /// Adds a row of costs, one for each column, infinite where there is no entry. Returns the lower bound of the total
     /// of all rows so far.
-    pub(crate) fn row(&mut self, costs: impl Iterator<Item = f64>) -> f64 {
+    pub fn row(&mut self, costs: impl Iterator<Item = f64>) -> f64 {
         let before = self.costs.len();
         self.rows += 1;
         self.costs.extend(costs);
@@ -49,7 +49,7 @@ impl DenseAssignment {
     }
 
     /// Solves the problem and returns the least total.
-    pub(crate) fn solve(&mut self) -> f64 {
+    pub fn solve(&mut self) -> f64 {
         let rows = self.rows;
         self.of_row.clear();
         self.of_row.resize(rows, NONE);
@@ -69,7 +69,7 @@ impl DenseAssignment {
     }
 
     /// The column of each row of the solved problem, or [`NONE`].
-    pub(crate) fn of_row(&self) -> &[u32] {
+    pub fn of_row(&self) -> &[u32] {
         &self.of_row
     }
 
@@ -143,18 +143,18 @@ impl DenseAssignment {
 
 #[cfg(test)]
 mod tests {
+    use super::super::assign::{Table, assign};
     use super::*;
-    use vtex_base::geometry::assign::{Table, assign};
-    use vtex_base::sampling::stream;
+    use crate::sampling::stream;
 
     #[test]
     fn totals_are_those_of_the_sparse_assignment() {
-        let mut random = stream(1, "cluster/matching test", 0);
+        let mut random = stream(1, "geometry/dense test", 0);
         let mut dense = DenseAssignment::default();
         for case in 0..300u64 {
             let [rows, columns] = [random.index(12), random.index(13)];
             let leave = 1 + random.below(60) as i64;
-            let cost = |random: &mut vtex_base::sampling::Stream| {
+            let cost = |random: &mut crate::sampling::Stream| {
                 if random.chance(0.2) { None } else { Some(random.below(50) as i64) }
             };
             let table: Vec<Vec<Option<i64>>> =

@@ -45,7 +45,7 @@ impl PeriodicPlane {
 }
 
 /// Length of a vector.
-pub(crate) fn length(v: [f64; 2]) -> f64 {
+pub fn length(v: [f64; 2]) -> f64 {
     libm::sqrt(v[0] * v[0] + v[1] * v[1])
 }
 
@@ -54,7 +54,7 @@ const MOST_CELLS: f64 = 2048.0;
 
 /// Points in cells, to find those near a place.
 #[derive(Debug)]
-pub(crate) struct PointIndex {
+pub struct PointIndex {
     plane: PeriodicPlane,
     cells: [usize; 2],
     /// The points of cell c are `ids[starts[c]..starts[c + 1]]`, in their order.
@@ -65,7 +65,7 @@ pub(crate) struct PointIndex {
 
 impl PointIndex {
     /// An index for searches within about `reach`.
-    pub(crate) fn new(plane: PeriodicPlane, reach: f64, points: &[[f64; 2]]) -> Self {
+    pub fn new(plane: PeriodicPlane, reach: f64, points: &[[f64; 2]]) -> Self {
         let count = |size: f64| (size / reach.max(1e-9)).clamp(1.0, MOST_CELLS) as usize;
         let cells = plane.size.map(count);
         let mut index = Self { plane, cells, starts: Vec::new(), ids: Vec::new(), points: Vec::new() };
@@ -109,7 +109,7 @@ impl PointIndex {
     }
 
     /// Calls `f` with the index of each point closer than `radius`, and the way to it.
-    pub(crate) fn within(&self, centre: [f64; 2], radius: f64, mut f: impl FnMut(usize, [f64; 2])) {
+    pub fn within(&self, centre: [f64; 2], radius: f64, mut f: impl FnMut(usize, [f64; 2])) {
         let centre = self.plane.wrapped(centre);
         let (column, columns) = self.range(0, centre[0] - radius, centre[0] + radius);
         let (row, rows) = self.range(1, centre[1] - radius, centre[1] + radius);
@@ -128,14 +128,14 @@ impl PointIndex {
     }
 
     /// Whether a point is closer than `radius`.
-    pub(crate) fn any(&self, centre: [f64; 2], radius: f64) -> bool {
+    pub fn any(&self, centre: [f64; 2], radius: f64) -> bool {
         let mut found = false;
         self.within(centre, radius, |_, _| found = true);
         found
     }
 
     /// The nearest point closer than `radius`, and its distance; of equally near ones the first.
-    pub(crate) fn nearest(&self, centre: [f64; 2], radius: f64) -> Option<(usize, f64)> {
+    pub fn nearest(&self, centre: [f64; 2], radius: f64) -> Option<(usize, f64)> {
         let mut best: Option<(usize, f64)> = None;
         self.within(centre, radius, |id, way| {
             let far = length(way);
@@ -149,24 +149,20 @@ impl PointIndex {
 
 /// The points near each point.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Vicinity {
+pub struct Vicinity {
     starts: Vec<u32>,
-    /// The points near each, and the ways to them, by distance; without the point itself.
-    pub(crate) ids: Vec<u32>,
-    pub(crate) ways: Vec<[f64; 2]>,
+    /// The points near each, by distance, without the point itself.
+    pub ids: Vec<u32>,
+    /// The ways to them.
+    pub ways: Vec<[f64; 2]>,
 }
 
 impl Vicinity {
     /// The points closer than `radius` to each of `centres`, at most `most` of them; `own` says whether centre i is
     /// point i.
-    pub(crate) fn new(
-        index: &PointIndex,
-        centres: &[[f64; 2]],
-        radius: f64,
-        (most, own): (usize, bool),
-    ) -> Self {
+    pub fn new(index: &PointIndex, centres: &[[f64; 2]], radius: f64, (most, own): (usize, bool)) -> Self {
         let all: Vec<usize> = (0..centres.len()).collect();
-        let lists = vtex_base::parallel::map(&all, |&c| {
+        let lists = crate::parallel::map(&all, |&c| {
             let mut near: Vec<(f64, u32, [f64; 2])> = Vec::new();
             index.within(centres[c], radius, |id, way| {
                 if !(own && id == c) {
@@ -187,12 +183,17 @@ impl Vicinity {
     }
 
     /// Where the points near point `i` are listed.
-    pub(crate) fn range(&self, i: usize) -> std::ops::Range<usize> {
+    pub fn range(&self, i: usize) -> std::ops::Range<usize> {
         self.starts[i] as usize..self.starts[i + 1] as usize
     }
 
+    /// Whether no point has a list.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
     /// How many points have a list.
-    pub(crate) fn len(&self) -> usize {
+    pub fn len(&self) -> usize {
         self.starts.len() - 1
     }
 }
@@ -200,11 +201,11 @@ impl Vicinity {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use vtex_base::sampling::stream;
+    use crate::sampling::stream;
 
     #[test]
     fn near_points_are_those_of_an_exhaustive_search() {
-        let mut random = stream(1, "cluster/space test", 0);
+        let mut random = stream(1, "geometry/plane test", 0);
         for wraps in [[true; 2], [false, true], [false; 2]] {
             let plane = PeriodicPlane { size: [70.0, 40.0], wraps };
             let points: Vec<[f64; 2]> =

@@ -1,0 +1,361 @@
+//! The first arrangement: patches of the exemplar side by side, and the edges between them (§2.5.2).
+//!
+//! The paper copies patches from random places without edges. Here the place of a patch is chosen of many by how well
+//! the exemplar goes on around it: samples along the border must lie on the curves of the patches beside it, with their
+//! directions and styles. Curves that cross a border are then joined.
+
+use crate::input::CurveInput;
+use crate::output::{CurveOutput, JoinedEdge};
+use vtex_base::error::Result;
+use vtex_base::geometry::plane::{PeriodicPlane, PointIndex, length};
+use vtex_base::parallel;
+use vtex_base::sampling::{Stream, stream};
+
+/// Places tried for a patch, besides those that go on from its neighbours.
+const TRIED: usize = 40;
+/// Width of the band around a patch that is compared, in radii of neighbourhoods.
+const BAND: f64 = 0.7;
+/// Cosine of the largest angle between curves that are laid on one another: 15°.
+const ALIGNED: f64 = 0.966;
+/// Weight of a distance along a curve, as against one across.
+const ALONG: f64 = 0.2;
+/// Mean misfit, in sample distances, up to which a patch may come from elsewhere although the exemplar could go on.
+const CHANGE: f64 = 0.22;
+/// The same for a page that repeats: patches of regular drawings that are out of step are seen at once.
+const CHANGE_REGULAR: f64 = 0.04;
+/// Longest miss of two ends that are joined across a border, in sample distances, and the cosine of their largest angle.
+const JOINED: f64 = 1.3;
+const STRAIGHT: f64 = 0.5;
+
+/// A patch of the canvas: its corner, its size, the way from the canvas to the exemplar, and its samples by their
+/// sources.
+struct Patch {
+    low: [f64; 2],
+    size: [f64; 2],
+    offset: Option<[f64; 2]>,
+    samples: Vec<(u32, u32)>,
+}
+
+/// A curve that leaves a patch: the sample, the half-edge of the exemplar, where it would arrive.
+struct Loose {
+    sample: u32,
+    half: u32,
+    to: [f64; 2],
+}
+
+/// Samples of neighbouring patches near a patch.
+struct Rim {
+    /// Place, source.
+    samples: Vec<([f64; 2], u32)>,
+    index: PointIndex,
+}
+
+/// Scatters as many samples as the exemplar has, from random places, without edges.
+pub(crate) fn noise(input: &CurveInput, plane: PeriodicPlane, seed: u64) -> CurveOutput {
+    let mut output = CurveOutput::new(plane);
+    let mut random = stream(seed, "curves/noise", 0);
+    let real: Vec<u32> = (0..input.len() as u32).filter(|i| !input.graph.open[*i as usize]).collect();
+    if real.is_empty() {
+        return output;
+    }
+    let count = real.len() as f64 * plane.area() / input.graph.plane.area();
+    for _ in 0..libm::round(count) as usize {
+        let at = [random.range(0.0, plane.size[0]), random.range(0.0, plane.size[1])];
+        output.push(at, real[random.index(real.len())], input);
+    }
+    output
+}
+
+/// Fills a canvas with patches. `variation`, 0 to 1, says how readily patches come from elsewhere; with 0 the exemplar
+/// goes on as it is wherever it can.
+///
+/// # Errors
+/// Those of `go_on`.
+pub(crate) fn patches(
+    input: &CurveInput,
+    plane: PeriodicPlane,
+    (variation, seed): (f64, u64),
+    go_on: &dyn Fn() -> Result<()>,
+) -> Result<CurveOutput> {
+    let page = input.graph.plane;
+    let side = 2.0 * input.scale.radius;
+    let most = [0, 1].map(|k| if page.wraps[k] { 0.45 } else { 0.6 } * page.size[k]);
+    let count = [0, 1].map(|k| libm::ceil(plane.size[k] / side.min(most[k])).max(1.0) as usize);
+    let size = [0, 1].map(|k| plane.size[k] / count[k] as f64);
+    let mut output = CurveOutput::new(plane);
+    let mut patches: Vec<Patch> = Vec::with_capacity(count[0] * count[1]);
+    for j in 0..count[1] {
+        for i in 0..count[0] {
+            let low = [i as f64 * size[0], j as f64 * size[1]];
+            patches.push(Patch { low, size, offset: None, samples: Vec::new() });
+        }
+    }
+    for p in 0..patches.len() {
+        go_on()?;
+        let [i, j] = [p % count[0], p / count[0]];
+        let mut beside: Vec<usize> = Vec::new();
+        for (dx, dy) in [(-1, 0), (0, -1), (1, 0), (0, 1), (-1, -1), (1, -1), (-1, 1), (1, 1)] {
+            let at = |v: usize, d: i64, n: usize| (v as i64 + d).rem_euclid(n as i64) as usize;
+            let other = at(j, dy, count[1]) * count[0] + at(i, dx, count[0]);
+            if other != p && patches[other].offset.is_some() && !beside.contains(&other) {
+                beside.push(other);
+            }
+        }
+        let rim = rim(&output, &patches, &beside, input);
+        let going_on: Vec<[f64; 2]> = beside.iter().filter_map(|b| patches[*b].offset).collect();
+        let mut random = stream(seed, "curves/patches", p as u64);
+        let offset = choose(input, &patches[p], &rim, (&going_on, plane), (variation, &mut random));
+        let patch = &mut patches[p];
+        patch.offset = Some(offset);
+        for (at, source) in within(input, patch, offset, 0.0) {
+            let sample = output.push(at, source, input);
+            patch.samples.push((source, sample));
+        }
+        patch.samples.sort_unstable();
+    }
+    join(&mut output, &patches, input);
+    Ok(output)
+}
+
+/// The exemplar's samples in a patch and up to `band` around it, at their places on the canvas.
+fn within(input: &CurveInput, patch: &Patch, offset: [f64; 2], band: f64) -> Vec<([f64; 2], u32)> {
+    let half = patch.size.map(|s| 0.5 * s + band);
+    let middle = [0, 1].map(|k| patch.low[k] + 0.5 * patch.size[k]);
+    let mut found = Vec::new();
+    let centre = [middle[0] + offset[0], middle[1] + offset[1]];
+    input.index.within(centre, length(half), |i, way| {
+        let inside = (0..2).all(|k| -half[k] <= way[k] && way[k] < half[k]);
+        if inside && !input.graph.open[i] {
+            found.push(([middle[0] + way[0], middle[1] + way[1]], i as u32));
+        }
+    });
+    found.sort_unstable_by_key(|f| f.1);
+    found
+}
+
+/// The samples of neighbouring patches.
+fn rim(output: &CurveOutput, patches: &[Patch], beside: &[usize], input: &CurveInput) -> Rim {
+    let mut samples = Vec::new();
+    for b in beside {
+        for (source, sample) in &patches[*b].samples {
+            samples.push((output.points[*sample as usize], *source));
+        }
+    }
+    let places: Vec<[f64; 2]> = samples.iter().map(|s| s.0).collect();
+    Rim { index: PointIndex::new(output.plane, input.scale.distance, &places), samples }
+}
+
+/// The way from the canvas to the exemplar for a patch.
+fn choose(
+    input: &CurveInput,
+    patch: &Patch,
+    rim: &Rim,
+    (going_on, plane): (&[[f64; 2]], PeriodicPlane),
+    (variation, random): (f64, &mut Stream),
+) -> [f64; 2] {
+    let page = input.graph.plane;
+    // A page that does not repeat must hold the patch.
+    let fits = |offset: &[f64; 2]| {
+        (0..2).all(|k| {
+            let low = patch.low[k] + offset[k];
+            page.wraps[k] || low >= -1e-6 && low + patch.size[k] <= page.size[k] + 1e-6
+        })
+    };
+    let near: Vec<usize> = (0..rim.samples.len())
+        .filter(|n| depth(patch, plane, rim.samples[*n].0) < BAND * input.scale.radius)
+        .collect();
+    let mut tried: Vec<[f64; 2]> = going_on.iter().copied().filter(fits).collect();
+    let known = tried.len();
+    for _ in 0..8 * TRIED {
+        if tried.len() >= known + TRIED {
+            break;
+        }
+        let offset = if near.is_empty() {
+            let at = [0, 1].map(|k| {
+                let room = if page.wraps[k] { page.size[k] } else { page.size[k] - patch.size[k] };
+                random.range(0.0, room.max(1e-9))
+            });
+            [at[0] - patch.low[0], at[1] - patch.low[1]]
+        } else {
+            // A curve of the exemplar on a curve beside the patch.
+            let (at, source) = rim.samples[near[random.index(near.len())]];
+            let like: Vec<usize> = (0..input.len())
+                .filter(|i| !input.graph.open[*i] && alike(input, source, *i as u32))
+                .collect();
+            let to = input.graph.points[like[random.index(like.len())]];
+            let middle = [0, 1].map(|k| patch.low[k] + 0.5 * patch.size[k]);
+            let way = plane.between(middle, at);
+            [0, 1].map(|k| to[k] - (middle[k] + way[k]))
+        };
+        if fits(&offset) {
+            tried.push(offset);
+        }
+    }
+    let costs = parallel::map(&tried, |offset| misfit(input, patch, rim, (*offset, plane), &near));
+    let best = |range: std::ops::Range<usize>| range.min_by(|a, b| costs[*a].total_cmp(&costs[*b]));
+    let change = if page.wraps[0] && page.wraps[1] { CHANGE_REGULAR } else { CHANGE };
+    match (best(0..known), best(known..tried.len())) {
+        (Some(on), Some(other)) if costs[other] < costs[on] || costs[other] <= change * variation => {
+            tried[other]
+        }
+        (Some(on), _) => tried[on],
+        (None, Some(other)) => tried[other],
+        (None, None) => [0, 1]
+            .map(|k| if page.wraps[k] { 0.0 } else { 0.5 * (page.size[k] - patch.size[k]) - patch.low[k] }),
+    }
+}
+
+/// How far a place is outside a patch.
+fn depth(patch: &Patch, plane: PeriodicPlane, at: [f64; 2]) -> f64 {
+    let middle = [0, 1].map(|k| patch.low[k] + 0.5 * patch.size[k]);
+    let way = plane.between(middle, at);
+    (0..2).map(|k| way[k].abs() - 0.5 * patch.size[k]).fold(f64::MIN, f64::max)
+}
+
+/// Whether two samples of the exemplar have edges in about the same directions.
+fn alike(input: &CurveInput, a: u32, b: u32) -> bool {
+    let [m, n] = [&input.graph.leaving[a as usize], &input.graph.leaving[b as usize]];
+    a == b
+        || m.len() == n.len()
+            && m.iter().all(|h| {
+                let own = input.graph.tangent(*h);
+                n.iter().any(|g| {
+                    let other = input.graph.tangent(*g);
+                    own[0] * other[0] + own[1] * other[1] > ALIGNED
+                        && input.graph.edge(*h).style == input.graph.edge(*g).style
+                })
+            })
+}
+
+/// Mean misfit of a patch to its neighbours, in sample distances: how far the exemplar's samples around the patch are
+/// from the neighbours' curves, and the other way round.
+fn misfit(
+    input: &CurveInput,
+    patch: &Patch,
+    rim: &Rim,
+    (offset, plane): ([f64; 2], PeriodicPlane),
+    near: &[usize],
+) -> f64 {
+    let (delta, band) = (input.scale.distance, BAND * input.scale.radius);
+    let page = input.graph.plane;
+    let expected: Vec<([f64; 2], u32)> =
+        within(input, patch, offset, band).into_iter().filter(|e| depth(patch, plane, e.0) > 0.0).collect();
+    let places: Vec<[f64; 2]> = expected.iter().map(|e| plane.wrapped(e.0)).collect();
+    let index = PointIndex::new(plane, delta, &places);
+    let apart = |own: u32, other: u32, way: [f64; 2]| {
+        let mut cost: f64 = 1.0;
+        let along = input.graph.leaving[own as usize].first().map_or([0.0; 2], |h| input.graph.tangent(*h));
+        let forth = (along[0] * way[0] + along[1] * way[1]).abs();
+        let across = (along[0] * way[1] - along[1] * way[0]).abs();
+        let far = (across + ALONG * forth) / delta;
+        let like = input.style[own as usize] == input.style[other as usize];
+        let turn = input.graph.leaving[other as usize].iter().map(|h| {
+            let there = input.graph.tangent(*h);
+            (along[0] * there[1] - along[1] * there[0]).abs()
+        });
+        let turn = turn.fold(1.0, f64::min);
+        let degrees =
+            if input.ways[own as usize].len() == input.ways[other as usize].len() { 0.0 } else { 0.2 };
+        if like {
+            cost = cost.min(far + turn + degrees);
+        }
+        cost
+    };
+    let (mut sum, mut count) = (0.0, 0.0f64);
+    for (at, source) in &expected {
+        // Where no neighbour is yet, nothing is expected of it.
+        let mut best: Option<f64> = None;
+        rim.index.within(*at, delta, |n, way| {
+            let cost = apart(*source, rim.samples[n].1, way);
+            best = Some(best.map_or(cost, |b: f64| b.min(cost)));
+        });
+        let known = best.is_some() || rim.index.any(*at, 2.0 * input.scale.radius);
+        if known {
+            sum += best.unwrap_or(1.0);
+            count += 1.0;
+        }
+    }
+    for &n in near {
+        let (at, source) = rim.samples[n];
+        let there = {
+            let middle = [0, 1].map(|k| patch.low[k] + 0.5 * patch.size[k]);
+            let way = plane.between(middle, at);
+            [0, 1].map(|k| middle[k] + way[k] + offset[k])
+        };
+        if (0..2).any(|k| !page.wraps[k] && !(0.0..page.size[k]).contains(&there[k])) {
+            continue;
+        }
+        let mut best: f64 = 1.0;
+        index.within(at, delta, |e, way| best = best.min(apart(source, expected[e].1, way)));
+        sum += best;
+        count += 1.0;
+    }
+    if count > 0.0 { sum / count } else { 0.0 }
+}
+
+/// The edges within patches, and across their borders.
+fn join(output: &mut CurveOutput, patches: &[Patch], input: &CurveInput) {
+    let mut loose: Vec<Loose> = Vec::new();
+    for patch in patches {
+        let Some(offset) = patch.offset else { continue };
+        let half = patch.size.map(|s| 0.5 * s);
+        let middle = [0, 1].map(|k| patch.low[k] + half[k]);
+        for &(source, sample) in &patch.samples {
+            let centre = [0, 1].map(|k| middle[k] + offset[k]);
+            let from = input.graph.plane.between(centre, input.graph.points[source as usize]);
+            for &h in &input.graph.leaving[source as usize] {
+                let way = input.graph.way(h);
+                let at = [from[0] + way[0], from[1] + way[1]];
+                let inside = (0..2).all(|k| -half[k] <= at[k] && at[k] < half[k]);
+                let end = input.graph.end(h);
+                let other = patch.samples.binary_search_by_key(&end, |s| s.0);
+                match other {
+                    Ok(k) if inside => {
+                        if h.is_multiple_of(2) {
+                            let ends = [sample, patch.samples[k].1];
+                            let from = [Some(h), Some(h ^ 1)];
+                            output.edges.push(JoinedEdge { ends, from, style: input.graph.edge(h).style });
+                        }
+                    }
+                    _ => {
+                        let to = [middle[0] + at[0], middle[1] + at[1]];
+                        loose.push(Loose { sample, half: h, to });
+                    }
+                }
+            }
+        }
+    }
+    let delta = input.scale.distance;
+    let places: Vec<[f64; 2]> = loose.iter().map(|l| output.points[l.sample as usize]).collect();
+    let index = PointIndex::new(output.plane, JOINED * delta, &places);
+    let mut pairs = Vec::new();
+    for (g, own) in loose.iter().enumerate() {
+        let way = input.graph.way(own.half);
+        index.within(output.plane.wrapped(own.to), JOINED * delta, |h, miss| {
+            let other = &loose[h];
+            let back = output.plane.between(output.plane.wrapped(other.to), places[g]);
+            let there = input.graph.way(other.half);
+            let opposite =
+                -(way[0] * there[0] + way[1] * there[1]) / (length(way) * length(there)).max(1e-12);
+            let like = input.graph.edge(own.half).style == input.graph.edge(other.half).style;
+            if h > g
+                && own.sample != other.sample
+                && like
+                && length(back) < JOINED * delta
+                && opposite > STRAIGHT
+            {
+                pairs.push((length(miss) + length(back) + delta * (1.0 - opposite), g, h));
+            }
+        });
+    }
+    pairs.sort_by(|p, q| p.0.total_cmp(&q.0).then((p.1, p.2).cmp(&(q.1, q.2))));
+    let mut taken = vec![false; loose.len()];
+    for (_, g, h) in pairs {
+        if !taken[g] && !taken[h] {
+            (taken[g], taken[h]) = (true, true);
+            let ends = [loose[g].sample, loose[h].sample];
+            let from = [Some(loose[g].half), Some(loose[h].half)];
+            output.edges.push(JoinedEdge { ends, from, style: input.graph.edge(loose[g].half).style });
+        }
+    }
+}

@@ -1,0 +1,250 @@
+//! The synthesis from coarse to fine.
+
+use crate::edges::improve_edges;
+use crate::exemplar::CurveExemplar;
+use crate::existence::improve_existence;
+use crate::graph::CurveGraph;
+use crate::initial::{noise, patches};
+use crate::input::{CurveInput, CurveScale};
+use crate::measures::CurveMeasures;
+use crate::mend::{CurveMends, mend};
+use crate::output::CurveOutput;
+use crate::positions::improve_positions;
+use crate::search::search;
+use crate::trace::{ShownPart, TracedCurve, traced};
+use vtex_base::error::{Error, Large, Result};
+use vtex_base::geometry::plane::PeriodicPlane;
+
+/// Long side of the exemplar in the lengths of the paper, and its finest sample distance.
+const SIDE: f64 = 400.0;
+const FINEST: f64 = 25.0;
+/// Longest sample distance, in mean distances between curves.
+const SPACING: f64 = 0.8;
+/// Sample distances of the levels as multiples of the finest (table 5.1: 40, 30, 25).
+const LEVELS: [f64; 3] = [1.6, 1.2, 1.0];
+/// Samples in a neighbourhood.
+const NEIGHBOURS: f64 = 22.0;
+/// Iterations of a level at most, and the change of energy below which it ends earlier.
+const ITERATIONS: usize = 7;
+const SETTLED: f64 = 0.01;
+/// Least share of the edges that a level keeps.
+const KEPT: f64 = 0.9;
+/// Most samples that are optimised, and that are made at all.
+const MOST_OPTIMISED: f64 = 8_000.0;
+const MOST_SAMPLES: f64 = 1_000_000.0;
+/// Most samples of the exemplar.
+const MOST_INPUT: f64 = 60_000.0;
+/// Largest change of the exemplar's period for one that fits a tile.
+const STRETCH: f64 = 0.1;
+
+/// What is to be made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CurveParams {
+    /// Width and height of the canvas, in the unit of the exemplar.
+    pub size: [f64; 2],
+    /// The axes along which the canvas repeats without a seam.
+    pub tile: [bool; 2],
+    /// Seed of all random choices.
+    pub seed: u64,
+    /// How readily the exemplar is rearranged, 0 to 1. With 0 it goes on as it is wherever it can.
+    pub variation: f64,
+    /// Largest deviation of a path from its curve, in the unit of the exemplar.
+    pub tolerance: f64,
+    /// Parts that are left out.
+    pub without: CurveParts,
+}
+
+/// Parts of the method.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct CurveParts {
+    /// Edges do not count where neighbourhoods are compared.
+    pub no_edge: bool,
+    /// Samples are neither added nor removed.
+    pub no_existence: bool,
+    /// The first arrangement is noise instead of patches.
+    pub no_patches: bool,
+    /// Loose ends stay.
+    pub no_mend: bool,
+}
+
+/// What a level did.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CurveLevel {
+    /// Samples of the exemplar, and of the result at the end.
+    pub samples: [usize; 2],
+    /// Energy of each iteration, for each neighbourhood and sample.
+    pub energies: Vec<f64>,
+    /// Samples added, and removed.
+    pub changed: [usize; 2],
+    /// Whether its result was given up, since it had more loose ends than before or much fewer edges.
+    pub undone: bool,
+}
+
+/// The result.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CurveResult {
+    /// The curves.
+    pub curves: Vec<TracedCurve>,
+    /// The levels, from coarse to fine; fewer for large canvases.
+    pub levels: Vec<CurveLevel>,
+    /// Loose ends mended.
+    pub mended: CurveMends,
+    /// Measures of the exemplar and of the result.
+    pub measures: [CurveMeasures; 2],
+}
+
+/// Synthesises curves like those of an exemplar. `go_on` is asked between parts of the work. An exemplar without curves
+/// gives none.
+///
+/// # Errors
+/// [`Error::TooLarge`] for too many curves, those of `go_on`.
+pub fn curves(
+    exemplar: &CurveExemplar,
+    params: &CurveParams,
+    go_on: &dyn Fn() -> Result<()>,
+) -> Result<CurveResult> {
+    let own = exemplar.graph(go_on)?;
+    let total = own.length();
+    if total <= 0.0 {
+        return Ok(CurveResult::default());
+    }
+    let own = own.stretched(stretch(exemplar.page, params));
+    let page = own.plane;
+    let spacing = page.area() / total;
+    let long = page.size[0].max(page.size[1]);
+    let finest = (FINEST / SIDE * long).min(SPACING * spacing);
+    let scale = |level: f64| {
+        let distance = level * finest;
+        let radius = libm::sqrt(NEIGHBOURS * distance * spacing / std::f64::consts::PI).max(1.6 * distance);
+        CurveScale { distance, radius }
+    };
+    let coarsest = scale(LEVELS[0]);
+    let input = repeated(&own, 4.5 * coarsest.radius, finest)?;
+    let plane = canvas(page, params, coarsest.radius);
+    let expected = |level: f64| total / page.area() * plane.area() / (level * finest);
+    if expected(1.0) > MOST_SAMPLES {
+        return Err(Error::TooLarge {
+            what: Large::Canvas,
+            name: "size".into(),
+            found: format!("curves of about {:.0} samples", expected(1.0)),
+            limit: format!("{MOST_SAMPLES:.0}"),
+        });
+    }
+    let used: Vec<CurveScale> =
+        LEVELS.iter().filter(|l| expected(**l) <= MOST_OPTIMISED).map(|l| scale(*l)).collect();
+    let optimised = !used.is_empty();
+    let used = if optimised { used } else { vec![coarsest] };
+    let mut levels = Vec::new();
+    let mut state: Option<(CurveOutput, CurveInput)> = None;
+    for scale in used {
+        let mut next = CurveInput::new(&input, scale, go_on)?;
+        next.with_edges = !params.without.no_edge;
+        let output = match state.take() {
+            Some((before, input)) => before.resampled(&input, &next),
+            None if params.without.no_patches => noise(&next, plane, params.seed),
+            None => patches(&next, plane, (params.variation, params.seed), go_on)?,
+        };
+        go_on()?;
+        let output = if optimised {
+            let (output, level) = level_of(output, &next, params, go_on)?;
+            levels.push(level);
+            output
+        } else {
+            output
+        };
+        state = Some((output, next));
+    }
+    let Some((mut output, last)) = state else { return Ok(CurveResult::default()) };
+    let mended = if params.without.no_mend { CurveMends::default() } else { mend(&mut output, &last) };
+    go_on()?;
+    let graph = output.graph(&last);
+    let measures = [CurveMeasures::of(&last.graph), CurveMeasures::of(&graph)];
+    let shown = ShownPart { size: params.size, tile: params.tile, margin: 0.4 * coarsest.radius };
+    let curves = traced(&graph, shown, params.tolerance);
+    Ok(CurveResult { curves, levels, mended, measures })
+}
+
+/// Factors of the exemplar's sides with which a whole number of its periods fits a tile.
+fn stretch(page: PeriodicPlane, params: &CurveParams) -> [f64; 2] {
+    [0, 1].map(|k| {
+        let times = libm::round(params.size[k] / page.size[k]).max(1.0);
+        let factor = params.size[k] / (times * page.size[k]);
+        if page.wraps[k] && params.tile[k] && (factor - 1.0).abs() <= STRETCH { factor } else { 1.0 }
+    })
+}
+
+/// The exemplar repeated along its periods until neighbourhoods do not meet themselves.
+fn repeated(own: &CurveGraph, least: f64, finest: f64) -> Result<CurveGraph> {
+    let page = own.plane;
+    let times = [0, 1].map(|k| if page.wraps[k] { libm::ceil(least / page.size[k]).max(1.0) } else { 1.0 });
+    let samples = (own.length() / finest + own.points.len() as f64) * times[0] * times[1];
+    if samples > MOST_INPUT {
+        return Err(Error::TooLarge {
+            what: Large::Drawing,
+            name: "the drawing".into(),
+            found: format!("lines of about {samples:.0} samples"),
+            limit: format!("{MOST_INPUT:.0}"),
+        });
+    }
+    Ok(own.repeated(times.map(|t| t as usize)))
+}
+
+/// The canvas with a margin along axes that do not repeat. It always repeats: what is beside it on one side is beside it
+/// on the other.
+fn canvas(page: PeriodicPlane, params: &CurveParams, radius: f64) -> PeriodicPlane {
+    let size = [0, 1].map(|k| {
+        let size = params.size[k];
+        if params.tile[k] {
+            return size;
+        }
+        let wanted = size + 2.0 * radius;
+        // A whole number of periods leaves a regular exemplar as it is.
+        if page.wraps[k] { libm::ceil(wanted / page.size[k] - 1e-9) * page.size[k] } else { wanted }
+    });
+    PeriodicPlane { size, wraps: [true; 2] }
+}
+
+/// The iterations of one level. If they leave more loose ends than there were, or much fewer edges, the samples stay as
+/// they were.
+pub(crate) fn level_of(
+    mut output: CurveOutput,
+    input: &CurveInput,
+    params: &CurveParams,
+    go_on: &dyn Fn() -> Result<()>,
+) -> Result<(CurveOutput, CurveLevel)> {
+    let mut level = CurveLevel::default();
+    let before = output.clone();
+    for iteration in 1..=ITERATIONS {
+        let matches = search(&mut output, input, go_on)?;
+        let energy = matches.energy();
+        let last = level.energies.last().copied();
+        level.energies.push(energy);
+        let mut changes = 0;
+        improve_positions(&mut output, input, &matches, go_on)?;
+        improve_edges(&mut output, input, &matches);
+        go_on()?;
+        if !params.without.no_existence {
+            let (keep, added) = improve_existence(&output, input, &matches);
+            let removed = keep.iter().filter(|k| !**k).count();
+            level.changed = [level.changed[0] + added.len(), level.changed[1] + removed];
+            changes = removed + added.len();
+            output.retain(&keep);
+            for (at, source) in added {
+                output.push(at, source, input);
+            }
+        }
+        output.improve_orientations(input);
+        let settled = last.is_some_and(|b: f64| (b - energy).abs() <= SETTLED * b);
+        if energy <= 1e-9 && changes == 0 || settled && iteration > 2 {
+            break;
+        }
+    }
+    let ends = |of: &CurveOutput| of.incident().iter().filter(|at| at.len() < 2).count();
+    let fewer = (output.edges.len() as f64) < KEPT * before.edges.len() as f64;
+    if !params.without.no_patches && (fewer || ends(&output) > ends(&before)) {
+        output = before;
+        level.undone = true;
+    }
+    level.samples = [input.len(), output.len()];
+    Ok((output, level))
+}

@@ -1,0 +1,236 @@
+//! The samples of the result, their edges, and the curves along them.
+
+use crate::graph::{CurveEdge, CurveGraph, along};
+use crate::input::CurveInput;
+use vtex_base::geometry::plane::{PeriodicPlane, PointIndex};
+
+/// Cosine of the largest angle between an edge and that of the exemplar that it follows: 60°.
+const FOLLOWS: f64 = 0.5;
+/// Points of an edge that is blended of two.
+const BLENDED: usize = 24;
+
+/// An edge of the result.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct JoinedEdge {
+    pub(crate) ends: [u32; 2],
+    /// For each end the half-edge of the exemplar that leaves its source as the edge leaves the end.
+    pub(crate) from: [Option<u32>; 2],
+    pub(crate) style: u32,
+}
+
+/// Samples and edges.
+#[derive(Clone)]
+pub(crate) struct CurveOutput {
+    pub(crate) plane: PeriodicPlane,
+    pub(crate) points: Vec<[f64; 2]>,
+    /// The sample of the exemplar with the most similar neighbourhood (m).
+    pub(crate) source: Vec<u32>,
+    pub(crate) style: Vec<u32>,
+    pub(crate) edges: Vec<JoinedEdge>,
+}
+
+impl CurveOutput {
+    pub(crate) fn new(plane: PeriodicPlane) -> Self {
+        Self { plane, points: Vec::new(), source: Vec::new(), style: Vec::new(), edges: Vec::new() }
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.points.len()
+    }
+
+    /// Adds a sample like one of the exemplar, without edges.
+    pub(crate) fn push(&mut self, at: [f64; 2], source: u32, input: &CurveInput) -> u32 {
+        self.points.push(self.plane.wrapped(at));
+        self.source.push(source);
+        self.style.push(input.style[source as usize]);
+        self.points.len() as u32 - 1
+    }
+
+    /// The edges at each sample: edge and end.
+    pub(crate) fn incident(&self) -> Vec<Vec<(u32, usize)>> {
+        let mut all = vec![Vec::new(); self.len()];
+        for (e, edge) in self.edges.iter().enumerate() {
+            for d in 0..2 {
+                all[edge.ends[d] as usize].push((e as u32, d));
+            }
+        }
+        all
+    }
+
+    /// The way along an edge from one of its ends.
+    pub(crate) fn way(&self, (edge, end): (u32, usize)) -> [f64; 2] {
+        let ends = self.edges[edge as usize].ends;
+        self.plane.between(self.points[ends[end] as usize], self.points[ends[1 - end] as usize])
+    }
+
+    /// The ways along the edges at each sample.
+    pub(crate) fn ways(&self) -> Vec<Vec<[f64; 2]>> {
+        self.incident().iter().map(|at| at.iter().map(|e| self.way(*e)).collect()).collect()
+    }
+
+    /// Keeps some samples, and the edges between them.
+    pub(crate) fn retain(&mut self, keep: &[bool]) {
+        let mut new = vec![u32::MAX; self.len()];
+        let mut count = 0;
+        for s in (0..keep.len()).filter(|s| keep[*s]) {
+            new[s] = count;
+            self.points[count as usize] = self.points[s];
+            self.source[count as usize] = self.source[s];
+            self.style[count as usize] = self.style[s];
+            count += 1;
+        }
+        self.points.truncate(count as usize);
+        self.source.truncate(count as usize);
+        self.style.truncate(count as usize);
+        self.edges.retain_mut(|e| {
+            e.ends = e.ends.map(|s| new[s as usize]);
+            e.ends.iter().all(|s| *s != u32::MAX)
+        });
+    }
+
+    /// Lets each end of an edge follow a half-edge of the source of its sample, which gives the edge its direction and
+    /// course there: that of the nearest direction. No two follow the same.
+    pub(crate) fn improve_orientations(&mut self, input: &CurveInput) {
+        for (s, at) in self.incident().iter().enumerate() {
+            let leaving = &input.graph.leaving[self.source[s] as usize];
+            let mut pairs = Vec::new();
+            for (k, &of) in at.iter().enumerate() {
+                let way = unit(self.way(of));
+                for &half in leaving {
+                    let like = input.graph.edge(half).style == self.edges[of.0 as usize].style;
+                    let own = unit(input.graph.way(half));
+                    let cosine = way[0] * own[0] + way[1] * own[1];
+                    if like && cosine > FOLLOWS {
+                        pairs.push((cosine, k, half));
+                    }
+                }
+                self.edges[of.0 as usize].from[of.1] = None;
+            }
+            pairs.sort_by(|p, q| q.0.total_cmp(&p.0).then((p.1, p.2).cmp(&(q.1, q.2))));
+            let mut taken = Vec::new();
+            for (_, k, half) in pairs {
+                let from = &mut self.edges[at[k].0 as usize].from[at[k].1];
+                if from.is_none() && !taken.contains(&half) {
+                    *from = Some(half);
+                    taken.push(half);
+                }
+            }
+        }
+    }
+
+    /// The graph of the curves along the edges.
+    pub(crate) fn graph(&self, input: &CurveInput) -> CurveGraph {
+        let edges = (0..self.edges.len() as u32).map(|e| CurveEdge {
+            ends: self.edges[e as usize].ends,
+            shape: self.course(e, input),
+            style: self.edges[e as usize].style,
+        });
+        CurveGraph::new(self.plane, self.points.clone(), vec![false; self.len()], edges.collect())
+    }
+
+    /// The course of an edge: that of the half-edge which it follows, sheared to its own way; where its ends follow two,
+    /// from the one to the other.
+    fn course(&self, e: u32, input: &CurveInput) -> Vec<[f64; 2]> {
+        let way = self.way((e, 0));
+        let sheared = |half: u32, backwards: bool| {
+            let course = input.graph.course(if backwards { half ^ 1 } else { half });
+            let total = along(&course).max(1e-9);
+            let last = course[course.len() - 1];
+            let (mut walked, mut before) = (0.0, course[0]);
+            let step = |p: &[f64; 2]| {
+                walked += along(&[before, *p]);
+                before = *p;
+                let t = walked / total;
+                ([p[0] + t * (way[0] - last[0]), p[1] + t * (way[1] - last[1])], t)
+            };
+            course.iter().map(step).collect::<Vec<_>>()
+        };
+        let plain = |course: Vec<([f64; 2], f64)>| course.into_iter().map(|c| c.0).collect();
+        match self.edges[e as usize].from {
+            [Some(a), Some(b)] if a ^ 1 == b => plain(sheared(a, false)),
+            [Some(a), None] => plain(sheared(a, false)),
+            [None, Some(b)] => plain(sheared(b, true)),
+            [None, None] => vec![[0.0; 2], way],
+            [Some(a), Some(b)] => {
+                let (a, b) = (sheared(a, false), sheared(b, true));
+                let blend = |k: usize| {
+                    let t = k as f64 / BLENDED as f64;
+                    let weight = t * t * (3.0 - 2.0 * t);
+                    let (p, q) = (at_share(&a, t), at_share(&b, t));
+                    [p[0] + weight * (q[0] - p[0]), p[1] + weight * (q[1] - p[1])]
+                };
+                (0..=BLENDED).map(blend).collect()
+            }
+        }
+    }
+
+    /// Samples at the distance of another level along the curves, each with the nearest sample of that level where the
+    /// samples so far come from.
+    pub(crate) fn resampled(&self, input: &CurveInput, next: &CurveInput) -> Self {
+        let graph = self.graph(input).sampled(next.scale.distance);
+        let reach = 1.5 * input.scale.distance;
+        let index = PointIndex::new(self.plane, reach, &self.points);
+        let numbers: Vec<usize> = (0..graph.points.len()).collect();
+        let source = vtex_base::parallel::map(&numbers, |&n| {
+            let (at, leaving) = (graph.points[n], &graph.leaving[n]);
+            let style = leaving.first().map(|h| graph.edge(*h).style);
+            let mut nearest: Option<(f64, u32, [f64; 2])> = None;
+            index.within(at, reach, |s, way| {
+                let far = way[0] * way[0] + way[1] * way[1];
+                let better = nearest.is_none_or(|b| far < b.0 || far == b.0 && (s as u32) < b.1);
+                if Some(self.style[s]) == style && better {
+                    nearest = Some((far, s as u32, way));
+                }
+            });
+            let (_, s, way) = nearest?;
+            let from = input.graph.points[self.source[s as usize] as usize];
+            next.nearest_like([from[0] - way[0], from[1] - way[1]], (style?, leaving.len()))
+        });
+        let mut new = Self::new(self.plane);
+        let mut number = vec![u32::MAX; graph.points.len()];
+        for (n, source) in source.into_iter().enumerate() {
+            if let Some(source) = source {
+                number[n] = new.push(graph.points[n], source, next);
+                new.style[number[n] as usize] = graph.edge(graph.leaving[n][0]).style;
+            }
+        }
+        for edge in &graph.edges {
+            let ends = edge.ends.map(|n| number[n as usize]);
+            if ends.iter().all(|s| *s != u32::MAX) && ends[0] != ends[1] {
+                new.edges.push(JoinedEdge { ends, from: [None; 2], style: edge.style });
+            }
+        }
+        new.improve_orientations(next);
+        new
+    }
+}
+
+impl CurveInput {
+    /// The sample nearest to a place, one of a style and a number of edges if there is one about as near.
+    fn nearest_like(&self, at: [f64; 2], (style, degree): (u32, usize)) -> Option<u32> {
+        let delta = self.scale.distance;
+        let mut best: Option<(f64, u32)> = None;
+        self.index.within(at, 2.0 * delta, |i, way| {
+            let other = usize::from(self.graph.degree(i) != degree) + 2 * usize::from(self.style[i] != style);
+            let cost = libm::sqrt(way[0] * way[0] + way[1] * way[1]) + delta * other as f64;
+            if best.is_none_or(|b| cost < b.0 || cost == b.0 && (i as u32) < b.1) {
+                best = Some((cost, i as u32));
+            }
+        });
+        best.map(|b| b.1)
+    }
+}
+
+/// A direction of length 1, or nothing.
+pub(crate) fn unit(v: [f64; 2]) -> [f64; 2] {
+    let size = libm::sqrt(v[0] * v[0] + v[1] * v[1]);
+    if size > 0.0 { [v[0] / size, v[1] / size] } else { [0.0; 2] }
+}
+
+/// The point of a course at a share of its length.
+fn at_share(course: &[([f64; 2], f64)], t: f64) -> [f64; 2] {
+    let k = course.partition_point(|c| c.1 < t).clamp(1, course.len() - 1);
+    let [(a, from), (b, to)] = [course[k - 1], course[k]];
+    let part = if to > from { ((t - from) / (to - from)).clamp(0.0, 1.0) } else { 0.0 };
+    [a[0] + part * (b[0] - a[0]), a[1] + part * (b[1] - a[1])]
+}

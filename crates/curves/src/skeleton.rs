@@ -1,0 +1,267 @@
+//! Centre lines of thin painted areas: thinning after Zhang and Suen (1984), spurs pruned, lines smoothed.
+
+use std::collections::BTreeMap;
+use vtex_base::disjoint_sets::DisjointSets;
+use vtex_base::error::Result;
+use vtex_base::geometry::plane::{PeriodicPlane, length};
+
+/// Longest spur, and longest piece between two junctions that are one, in widths of the area.
+const SPUR: f64 = 1.0;
+const ONE_JUNCTION: f64 = 0.9;
+/// Passes of smoothing, and the reach of each in widths.
+const PASSES: usize = 3;
+const SMOOTHED: f64 = 0.25;
+
+/// Painted cells of a page.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ink {
+    /// Columns and rows.
+    pub size: [usize; 2],
+    /// The axes along which the page repeats.
+    pub wraps: [bool; 2],
+    /// The cells, row by row.
+    pub cells: Vec<bool>,
+}
+
+/// A line through the middles of cells, and whether it is closed.
+type CentreLine = (Vec<[f64; 2]>, bool);
+
+/// The centre lines of painted areas, in cells, and their mean width. Lines may lead beyond a page that repeats.
+///
+/// # Errors
+/// Those of `go_on`.
+pub fn centre_lines(ink: &Ink, go_on: &dyn Fn() -> Result<()>) -> Result<(Vec<CentreLine>, f64)> {
+    let area = ink.cells.iter().filter(|c| **c).count() as f64;
+    let thin = thinned(ink, go_on)?;
+    let paths = paths(&thin);
+    let total: f64 = paths.iter().map(|p| crate::graph::along(&p.points)).sum();
+    let width = if total > 0.0 { area / total } else { 0.0 };
+    go_on()?;
+    let paths = joined(pruned(paths, width), &thin, width);
+    let reach = libm::round(SMOOTHED * width).max(1.0) as usize;
+    let lines = paths.into_iter().map(|p| {
+        let points = smoothed(p.points, p.closed, reach);
+        // A line round the page ends where it begins only once it is wrapped.
+        let closed = p.closed && points.first() == points.last();
+        (points, closed)
+    });
+    let lines: Vec<CentreLine> = lines.collect();
+    let total: f64 = lines.iter().map(|l| crate::graph::along(&l.0)).sum();
+    Ok((lines, if total > 0.0 { area / total } else { 0.0 }))
+}
+
+/// A path over cells from node to node.
+struct CellPath {
+    points: Vec<[f64; 2]>,
+    closed: bool,
+    /// The cells at its ends.
+    ends: [usize; 2],
+}
+
+impl Ink {
+    /// The cell at an offset, if it is on the page.
+    fn beside(&self, cell: usize, [dx, dy]: [i64; 2]) -> Option<usize> {
+        let at = [cell % self.size[0], cell / self.size[0]];
+        let mut to = [0; 2];
+        for (k, d) in [dx, dy].into_iter().enumerate() {
+            let v = at[k] as i64 + d;
+            to[k] = match (0..self.size[k] as i64).contains(&v) {
+                true => v as usize,
+                false if self.wraps[k] => v.rem_euclid(self.size[k] as i64) as usize,
+                false => return None,
+            };
+        }
+        Some(to[1] * self.size[0] + to[0])
+    }
+
+    fn is_painted(&self, cell: usize, by: [i64; 2]) -> bool {
+        self.beside(cell, by).is_some_and(|c| self.cells[c])
+    }
+
+    fn middle(&self, cell: usize) -> [f64; 2] {
+        [(cell % self.size[0]) as f64 + 0.5, (cell / self.size[0]) as f64 + 0.5]
+    }
+
+    /// The neighbours of a thin line's cell: diagonal ones only where no straight step leads to them.
+    fn linked(&self, cell: usize) -> Vec<usize> {
+        let mut all = Vec::new();
+        for (dx, dy) in [(1, 0), (0, 1), (-1, 0), (0, -1)] {
+            if self.is_painted(cell, [dx, dy]) {
+                all.extend(self.beside(cell, [dx, dy]));
+            }
+        }
+        for (dx, dy) in [(1, 1), (-1, 1), (-1, -1), (1, -1)] {
+            let straight = self.is_painted(cell, [dx, 0]) || self.is_painted(cell, [0, dy]);
+            if !straight && self.is_painted(cell, [dx, dy]) {
+                all.extend(self.beside(cell, [dx, dy]));
+            }
+        }
+        all
+    }
+}
+
+/// The eight neighbours, clockwise from above.
+const AROUND: [[i64; 2]; 8] = [[0, -1], [1, -1], [1, 0], [1, 1], [0, 1], [-1, 1], [-1, 0], [-1, -1]];
+
+fn thinned(ink: &Ink, go_on: &dyn Fn() -> Result<()>) -> Result<Ink> {
+    let mut thin = ink.clone();
+    let mut painted: Vec<usize> = (0..thin.cells.len()).filter(|c| thin.cells[*c]).collect();
+    loop {
+        let before = painted.len();
+        for second in [false, true] {
+            go_on()?;
+            let goes = |&cell: &usize| {
+                let p = AROUND.map(|by| thin.is_painted(cell, by));
+                let count = p.iter().filter(|v| **v).count();
+                let rises = (0..8).filter(|&k| !p[k] && p[(k + 1) % 8]).count();
+                let [north, _, east, _, south, _, west, _] = p;
+                let open = if second {
+                    !(north && west && (east || south))
+                } else {
+                    !(east && south && (north || west))
+                };
+                (2..=6).contains(&count) && rises == 1 && open
+            };
+            let goes = vtex_base::parallel::map(&painted, goes);
+            painted.iter().zip(&goes).filter(|p| *p.1).for_each(|p| thin.cells[*p.0] = false);
+            painted = painted.into_iter().zip(goes).filter(|p| !p.1).map(|p| p.0).collect();
+        }
+        if painted.len() == before {
+            return Ok(thin);
+        }
+    }
+}
+
+/// The paths between nodes, then those without nodes.
+fn paths(thin: &Ink) -> Vec<CellPath> {
+    let plane = PeriodicPlane { size: thin.size.map(|v| v as f64), wraps: thin.wraps };
+    let cells: Vec<usize> = (0..thin.cells.len()).filter(|c| thin.cells[*c]).collect();
+    let linked: BTreeMap<usize, Vec<usize>> = cells.iter().map(|c| (*c, thin.linked(*c))).collect();
+    let mut used: std::collections::BTreeSet<(usize, usize)> = std::collections::BTreeSet::new();
+    let mut paths = Vec::new();
+    for closed in [false, true] {
+        for &first in &cells {
+            if closed == (linked[&first].len() != 2) {
+                continue;
+            }
+            for &next in &linked[&first] {
+                if used.contains(&(first, next)) {
+                    continue;
+                }
+                let mut points = vec![thin.middle(first)];
+                let (mut from, mut at) = (first, next);
+                loop {
+                    used.insert((from, at));
+                    used.insert((at, from));
+                    let last = points[points.len() - 1];
+                    let way = plane.between(plane.wrapped(last), thin.middle(at));
+                    points.push([last[0] + way[0], last[1] + way[1]]);
+                    let on = linked[&at].iter().find(|c| **c != from && !used.contains(&(at, **c)));
+                    match on {
+                        Some(&on) if linked[&at].len() == 2 && at != first => (from, at) = (at, on),
+                        _ => break,
+                    }
+                }
+                let closed = closed && at == first;
+                paths.push(CellPath { points, closed, ends: [first, at] });
+            }
+        }
+    }
+    paths
+}
+
+/// The paths without short spurs.
+fn pruned(mut paths: Vec<CellPath>, width: f64) -> Vec<CellPath> {
+    let mut ends: BTreeMap<usize, usize> = BTreeMap::new();
+    paths.iter().flat_map(|p| p.ends).for_each(|e| *ends.entry(e).or_default() += 1);
+    paths.retain(|p| {
+        let [a, b] = p.ends.map(|e| ends[&e]);
+        let spur = !p.closed && a.min(b) == 1 && a.max(b) > 2;
+        !(spur && crate::graph::along(&p.points) < SPUR * width)
+    });
+    paths
+}
+
+/// The paths with junctions near one another made one.
+fn joined(paths: Vec<CellPath>, thin: &Ink, width: f64) -> Vec<CellPath> {
+    let plane = PeriodicPlane { size: thin.size.map(|v| v as f64), wraps: thin.wraps };
+    let mut ids: Vec<usize> = paths.iter().flat_map(|p| p.ends).collect();
+    ids.sort_unstable();
+    let counts: BTreeMap<usize, usize> = ids.chunk_by(|a, b| a == b).map(|c| (c[0], c.len())).collect();
+    ids.dedup();
+    let number = |cell: usize| ids.partition_point(|c| *c < cell);
+    let mut sets = DisjointSets::new(ids.len());
+    let inner = |p: &CellPath| {
+        let [a, b] = p.ends;
+        let junctions = counts[&a] > 2 && counts[&b] > 2;
+        junctions && !p.closed && crate::graph::along(&p.points) < ONE_JUNCTION * width
+    };
+    for path in paths.iter().filter(|p| inner(p)) {
+        sets.join(number(path.ends[0]), number(path.ends[1]));
+    }
+    // Mean place of each set, as ways from its root's cell.
+    let mut sums: Vec<([f64; 2], f64)> = vec![([0.0; 2], 0.0); ids.len()];
+    for (k, cell) in ids.iter().enumerate() {
+        let root = sets.root(k);
+        let way = plane.between(thin.middle(ids[root]), thin.middle(*cell));
+        let (sum, count) = &mut sums[root];
+        *sum = [sum[0] + way[0], sum[1] + way[1]];
+        *count += 1.0;
+    }
+    let mut moved = |cell: usize, at: [f64; 2]| {
+        let root = sets.root(number(cell));
+        let (sum, count) = sums[root];
+        let from = plane.between(thin.middle(cell), thin.middle(ids[root]));
+        [at[0] + from[0] + sum[0] / count, at[1] + from[1] + sum[1] / count]
+    };
+    let mut kept = Vec::new();
+    for mut path in paths {
+        if inner(&path) {
+            continue;
+        }
+        if !path.closed {
+            let n = path.points.len();
+            let ends = [path.points[0], path.points[n - 1]];
+            let to = [moved(path.ends[0], ends[0]), moved(path.ends[1], ends[1])];
+            // Points that the moved ends have passed are left out.
+            let far = [0, 1].map(|k| length([to[k][0] - ends[k][0], to[k][1] - ends[k][1]]));
+            let apart = |p: &[f64; 2], k: usize| {
+                far[k] == 0.0 || length([p[0] - ends[k][0], p[1] - ends[k][1]]) > 1.5 * far[k]
+            };
+            let inner: Vec<[f64; 2]> =
+                path.points[1..n - 1].iter().filter(|p| apart(p, 0) && apart(p, 1)).copied().collect();
+            path.points = std::iter::once(to[0]).chain(inner).chain([to[1]]).collect();
+        }
+        kept.push(path);
+    }
+    kept
+}
+
+/// A line with the steps of the grid smoothed; its ends stay.
+fn smoothed(mut points: Vec<[f64; 2]>, closed: bool, reach: usize) -> Vec<[f64; 2]> {
+    let n = points.len();
+    if n < 3 {
+        return points;
+    }
+    // A closed line ends a whole number of periods from its beginning.
+    let round = [points[n - 1][0] - points[0][0], points[n - 1][1] - points[0][1]];
+    for _ in 0..PASSES {
+        let at = |k: i64| {
+            let last = n as i64 - 1;
+            let turns = k.div_euclid(last);
+            let p = points[k.rem_euclid(last) as usize];
+            [p[0] + turns as f64 * round[0], p[1] + turns as f64 * round[1]]
+        };
+        let mean = |k: usize| {
+            let reach = if closed { reach } else { reach.min(k).min(n - 1 - k) } as i64;
+            let mut sum = [0.0; 2];
+            for d in -reach..=reach {
+                let p = if closed { at(k as i64 + d) } else { points[(k as i64 + d) as usize] };
+                sum = [sum[0] + p[0], sum[1] + p[1]];
+            }
+            sum.map(|v| v / (2 * reach + 1) as f64)
+        };
+        points = (0..n).map(mean).collect();
+    }
+    points
+}

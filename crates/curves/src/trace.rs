@@ -1,0 +1,187 @@
+//! Curves as paths: chains through opposite directions (§2.4.4), and Béziers fitted to them.
+
+use crate::graph::{CurveGraph, EdgeChain, along};
+use vtex_base::geometry::plane::{PeriodicPlane, length};
+use vtex_base::geometry::{BezPath, PathEl, Point, Vec2, fitted_curve};
+use vtex_base::parallel;
+
+/// Shortest step of a course, as a share of its length.
+const FINEST: f64 = 1e-3;
+/// Cosine of the turn from which on a place of a course is a corner: 40°.
+const CORNER: f64 = 0.766;
+
+/// A curve of the result.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TracedCurve {
+    /// Its path, in the unit of the exemplar. Where the page repeats it may lead beyond it.
+    pub path: BezPath,
+    /// The style of the strokes that it comes from.
+    pub style: u32,
+    /// Length of the part on the canvas. Where the page repeats, of all.
+    pub shown_length: f64,
+}
+
+/// The part of the plane that is shown.
+#[derive(Clone, Copy)]
+pub(crate) struct ShownPart {
+    pub(crate) size: [f64; 2],
+    /// The axes along which the curves stand for all their copies.
+    pub(crate) tile: [bool; 2],
+    /// How far curves lead beyond it along the other axes.
+    pub(crate) margin: f64,
+}
+
+/// All curves of a graph, as long as they run on smoothly. `tolerance` is the largest deviation of a path.
+pub(crate) fn traced(graph: &CurveGraph, shown: ShownPart, tolerance: f64) -> Vec<TracedCurve> {
+    let chains = graph.chains(true);
+    let of_chain = |chain: &EdgeChain| {
+        let course = graph.chain_course(chain).0;
+        let style = graph.edge(chain.halves[0]).style;
+        let step = (2.0 * tolerance).max(FINEST * along(&course));
+        let parts = shown.parts(even(&course, step, chain.closed), graph.plane, chain.closed);
+        let curve = |(mut points, closed): (Vec<CoursePoint>, bool)| {
+            let (first, last) = (points[0].at, points[points.len() - 1].at);
+            let endless = closed && (last - first).hypot2() > step * step;
+            if endless {
+                // An endless curve overlaps its copy, so that no seam shows.
+                points.push(CoursePoint { at: points[1].at + (last - first), ..points[1] });
+            } else if closed {
+                points.pop();
+                let turn = points.iter().position(|p| p.corner).unwrap_or(0);
+                points.rotate_left(turn);
+                points.push(points[0]);
+            }
+            let shown_length = shown.length(&points);
+            TracedCurve { path: fitted(&points, closed && !endless, tolerance), style, shown_length }
+        };
+        parts.into_iter().map(curve).collect::<Vec<_>>()
+    };
+    parallel::map(&chains, of_chain).concat()
+}
+
+impl ShownPart {
+    /// Length of the steps of a course whose middles are shown.
+    fn length(&self, points: &[CoursePoint]) -> f64 {
+        let inside = |v: f64, k: usize| self.tile[k] || (0.0..=self.size[k]).contains(&v);
+        let step = |w: &[CoursePoint]| {
+            let middle = w[0].at.midpoint(w[1].at);
+            let shown = inside(middle.x, 0) && inside(middle.y, 1);
+            if shown { libm::sqrt((w[1].at - w[0].at).hypot2()) } else { 0.0 }
+        };
+        points.windows(2).map(step).sum()
+    }
+
+    /// The parts of a course that are shown, of all its copies on a plane that repeats, and whether they are closed.
+    fn parts(
+        &self,
+        course: Vec<CoursePoint>,
+        plane: PeriodicPlane,
+        closed: bool,
+    ) -> Vec<(Vec<CoursePoint>, bool)> {
+        let bounds = |k: usize| {
+            let at = |p: &CoursePoint| if k == 0 { p.at.x } else { p.at.y };
+            let low = course.iter().map(at).fold(f64::INFINITY, f64::min);
+            (low, course.iter().map(at).fold(f64::NEG_INFINITY, f64::max))
+        };
+        let shifts = [0, 1].map(|k| {
+            if self.tile[k] {
+                return 0..=0;
+            }
+            let (low, high) = bounds(k);
+            let period = plane.size[k];
+            let first = libm::ceil((-self.margin - high) / period) as i64;
+            first..=libm::floor((self.size[k] + self.margin - low) / period) as i64
+        });
+        let [columns, rows] = shifts;
+        let mut parts = Vec::new();
+        for j in rows {
+            for i in columns.clone() {
+                let by = Vec2::new(i as f64 * plane.size[0], j as f64 * plane.size[1]);
+                let inside = |p: &CoursePoint| {
+                    let within = |v: f64, k: usize| {
+                        self.tile[k] || (-self.margin..=self.size[k] + self.margin).contains(&v)
+                    };
+                    within(p.at.x, 0) && within(p.at.y, 1)
+                };
+                let moved: Vec<CoursePoint> =
+                    course.iter().map(|p| CoursePoint { at: p.at + by, ..*p }).collect();
+                if moved.iter().all(inside) {
+                    parts.push((moved, closed));
+                    continue;
+                }
+                let runs = moved.chunk_by(|a, b| inside(a) == inside(b));
+                parts.extend(runs.filter(|r| r.len() > 1 && inside(&r[0])).map(|r| (r.to_vec(), false)));
+            }
+        }
+        parts
+    }
+}
+
+/// A path through points, smooth but at corners.
+fn fitted(points: &[CoursePoint], closed: bool, tolerance: f64) -> BezPath {
+    let n = points.len() - 1;
+    let corners: Vec<usize> = (1..n).filter(|k| points[*k].corner).collect();
+    let smooth = closed && !points[0].corner;
+    if corners.is_empty() || smooth {
+        let all: Vec<Point> = points.iter().map(|p| p.at).collect();
+        return fitted_curve(&all, [None; 2], tolerance, smooth);
+    }
+    let mut path = BezPath::new();
+    path.move_to(points[0].at);
+    let mut from = 0;
+    for to in corners.into_iter().chain([n]) {
+        let span: Vec<Point> = points[from..=to].iter().map(|p| p.at).collect();
+        let piece = fitted_curve(&span, [None; 2], tolerance, false);
+        path.extend(piece.elements().iter().skip(1).filter(|e| **e != PathEl::ClosePath).copied());
+        from = to;
+    }
+    if closed {
+        path.close_path();
+    }
+    path
+}
+
+/// A point of a course.
+#[derive(Clone, Copy)]
+struct CoursePoint {
+    at: Point,
+    /// Whether the course turns sharply there.
+    corner: bool,
+}
+
+/// Points of a course that are at least `step` apart, but for the last and for corners.
+fn even(course: &[[f64; 2]], step: f64, closed: bool) -> Vec<CoursePoint> {
+    let n = course.len() - 1;
+    let turn = |a: usize, b: usize, c: usize, d: usize| {
+        let (p, q) = (way(course[a], course[b]), way(course[c], course[d]));
+        p[0] * q[0] + p[1] * q[1] < CORNER * length(p) * length(q)
+    };
+    let corner = |k: usize| match k {
+        _ if k == 0 || k == n => closed && turn(n - 1, n, 0, 1),
+        k => turn(k - 1, k, k, k + 1),
+    };
+    let point = |k: usize| CoursePoint { at: Point::new(course[k][0], course[k][1]), corner: corner(k) };
+    let mut points = vec![point(0)];
+    for k in 1..n {
+        let p = point(k);
+        let last = points[points.len() - 1];
+        let far = (p.at - last.at).hypot2();
+        if far >= step * step || p.corner && far > 0.0 {
+            if p.corner && far < 0.25 * step * step && points.len() > 1 && !last.corner {
+                points.pop();
+            }
+            points.push(p);
+        }
+    }
+    let last = points[points.len() - 1];
+    let end = point(n);
+    if points.len() > 1 && !last.corner && (end.at - last.at).hypot2() < 0.25 * step * step {
+        points.pop();
+    }
+    points.push(end);
+    points
+}
+
+fn way(from: [f64; 2], to: [f64; 2]) -> [f64; 2] {
+    [to[0] - from[0], to[1] - from[1]]
+}
