@@ -34,6 +34,8 @@ const MOST_OPTIMISED: f64 = 8_000.0;
 const MOST_SAMPLES: f64 = 1_000_000.0;
 /// Most samples of the exemplar.
 const MOST_INPUT: f64 = 60_000.0;
+/// Least length of curves by area, relative to the exemplar's.
+const LEAST_LENGTH: f64 = 0.6;
 /// Largest change of the exemplar's period for one that fits a tile.
 const STRETCH: f64 = 0.1;
 
@@ -97,7 +99,8 @@ pub struct CurveResult {
 /// gives none.
 ///
 /// # Errors
-/// [`Error::TooLarge`] for too many curves, those of `go_on`.
+/// [`Error::TooLarge`] for too many curves, [`Error::Unusable`] for curves that cannot go on where parts of the exemplar
+/// are put together, and those of `go_on`.
 pub fn curves(
     exemplar: &CurveExemplar,
     params: &CurveParams,
@@ -132,12 +135,38 @@ pub fn curves(
     }
     let used: Vec<CurveScale> =
         LEVELS.iter().filter(|l| expected(**l) <= MOST_OPTIMISED).map(|l| scale(*l)).collect();
-    let optimised = !used.is_empty();
-    let used = if optimised { used } else { vec![coarsest] };
-    let mut levels = Vec::new();
+    let shown = ShownPart { size: params.size, tile: params.tile, margin: 0.4 * coarsest.radius };
+    let least = LEAST_LENGTH * total / page.area() * plane.area();
+    // Where the optimisation loses the curves, patches alone are taken.
+    let attempts = [used, Vec::new()];
+    for levels in attempts.iter().take(if attempts[0].is_empty() { 1 } else { 2 }) {
+        let (graph, mut result) = attempt(&input, (levels, coarsest), plane, params, go_on)?;
+        if result.measures[1].length >= least || params.without.no_patches {
+            result.curves = traced(&graph, shown, params.tolerance);
+            return Ok(result);
+        }
+    }
+    Err(Error::Unusable {
+        name: "the drawing".into(),
+        reason: "its lines do not go on where parts of it are put together".into(),
+    })
+}
+
+/// Curves on a canvas that are optimised on the given levels, or patches of the coarsest scale if there are none. The
+/// result has no curves yet, but their graph.
+fn attempt(
+    input: &CurveGraph,
+    (levels, coarsest): (&[CurveScale], CurveScale),
+    plane: PeriodicPlane,
+    params: &CurveParams,
+    go_on: &dyn Fn() -> Result<()>,
+) -> Result<(CurveGraph, CurveResult)> {
+    let optimised = !levels.is_empty();
+    let scales = if optimised { levels } else { &[coarsest] };
+    let mut result = CurveResult::default();
     let mut state: Option<(CurveOutput, CurveInput)> = None;
-    for scale in used {
-        let mut next = CurveInput::new(&input, scale, go_on)?;
+    for scale in scales {
+        let mut next = CurveInput::new(input, *scale, go_on)?;
         next.with_edges = !params.without.no_edge;
         let output = match state.take() {
             Some((before, input)) => before.resampled(&input, &next),
@@ -147,21 +176,21 @@ pub fn curves(
         go_on()?;
         let output = if optimised {
             let (output, level) = level_of(output, &next, params, go_on)?;
-            levels.push(level);
+            result.levels.push(level);
             output
         } else {
             output
         };
         state = Some((output, next));
     }
-    let Some((mut output, last)) = state else { return Ok(CurveResult::default()) };
-    let mended = if params.without.no_mend { CurveMends::default() } else { mend(&mut output, &last) };
+    let Some((mut output, last)) = state else { return Ok((input.clone(), result)) };
+    if !params.without.no_mend {
+        result.mended = mend(&mut output, &last);
+    }
     go_on()?;
     let graph = output.graph(&last);
-    let measures = [CurveMeasures::of(&last.graph), CurveMeasures::of(&graph)];
-    let shown = ShownPart { size: params.size, tile: params.tile, margin: 0.4 * coarsest.radius };
-    let curves = traced(&graph, shown, params.tolerance);
-    Ok(CurveResult { curves, levels, mended, measures })
+    result.measures = [CurveMeasures::of(&last.graph), CurveMeasures::of(&graph)];
+    Ok((graph, result))
 }
 
 /// Factors of the exemplar's sides with which a whole number of its periods fits a tile.
