@@ -136,8 +136,8 @@ fn quoted(word: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::opened::tests::opened;
     use super::*;
+    use crate::cli::commands::studio::opened::tests::opened;
 
     #[test]
     fn a_name_that_begins_with_a_dash_is_no_option() {

@@ -222,8 +222,8 @@ fn elements_of(file: &SideFile, size: [u32; 2]) -> vtex::Result<ElementMasks> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::opened::tests::opened;
     use super::*;
+    use crate::cli::commands::studio::opened::tests::opened;
     use vtex::raster::{Mask, Span};
 
     #[test]
