@@ -137,11 +137,10 @@ fn quoted(word: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cli::commands::studio::opened::tests::opened;
 
     #[test]
     fn a_name_that_begins_with_a_dash_is_no_option() {
-        let opened = opened("-leaf.png".into());
+        let opened = Opened::picture("-leaf.png".into());
         let wanted = Wanted { format: Format::Svg, scale: None };
         let commands = Commands::new(&opened, &StudioSettings::new(None), wanted);
         assert_eq!(commands.analyze.as_ref().unwrap()[1..4], ["./-leaf.png", "-o", "./-leaf.lib.json"]);

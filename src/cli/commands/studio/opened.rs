@@ -116,19 +116,23 @@ pub(super) fn put_beside(folder: &Path, given: &str, bytes: &[u8]) -> anyhow::Re
 }
 
 #[cfg(test)]
-pub(super) mod tests {
-    use super::*;
-
-    pub(crate) fn opened(path: PathBuf) -> Opened {
+impl Opened {
+    /// A picture of 40 × 40 pixels, for tests.
+    pub(super) fn picture(path: PathBuf) -> Self {
         let mut png = std::io::Cursor::new(Vec::new());
         let picture = image::RgbImage::from_fn(40, 40, |x, y| image::Rgb([x as u8, y as u8, 9]));
         picture.write_to(&mut png, image::ImageFormat::Png).unwrap();
-        Opened::new(path, png.into_inner()).unwrap()
+        Self::new(path, png.into_inner()).unwrap()
     }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
 
     #[test]
     fn files_of_one_stem_are_worked_on_apart() {
-        let [first, second] = ["a/leaf.jpg", "a/leaf.png"].map(|path| opened(path.into()));
+        let [first, second] = ["a/leaf.jpg", "a/leaf.png"].map(|path| Opened::picture(path.into()));
         assert_eq!(first.work_path(), Path::new("a/leaf.jpg.vtex-studio.json"));
         assert_ne!(first.work_path(), second.work_path());
         let named = Opened { document: Some("a/copy.vtex-studio.json".into()), ..second };

@@ -223,13 +223,12 @@ fn elements_of(file: &SideFile, size: [u32; 2]) -> vtex::Result<ElementMasks> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cli::commands::studio::opened::tests::opened;
     use vtex::raster::{Mask, Span};
 
     #[test]
     fn newer_masks_are_taken_up_and_other_changed_files_are_not() {
         let folder = tempfile::tempdir().unwrap();
-        let opened = opened(folder.path().join("leaf.png"));
+        let opened = Opened::picture(folder.path().join("leaf.png"));
         let mask = |x1: i32| Mask::from_spans(vec![Span { y: 2, x0: 1, x1 }]);
         let elements = |x1| ElementMasks::new([40, 40], [mask(x1)]);
         let path = folder.path().join("leaf.masks.json");
