@@ -51,16 +51,10 @@ impl Folder {
         names
     }
 
-    /// The program, ready to run here with arguments split at blanks, except within single quotes.
+    /// The program, ready to run here with arguments as a shell splits them: at blanks, except within single quotes.
     pub(crate) fn command(&self, arguments: &str) -> Command {
         let mut command = vtex();
-        for (i, part) in arguments.split('\'').enumerate() {
-            if i % 2 == 1 {
-                command.arg(part);
-            } else {
-                command.args(part.split_whitespace());
-            }
-        }
+        command.args(words(arguments));
         command.current_dir(self.0.path());
         // Models of the user who runs the tests are not used.
         command.env("VTEX_MODELS", self.0.path().join("models"));
@@ -238,4 +232,25 @@ pub(crate) fn steering(folder: &Path) {
     let colours = [[20, 30, 90], [200, 40, 30], [250, 240, 220]];
     let flag = RgbImage::from_fn(30, 15, |x, _| Rgb(colours[x as usize / 10]));
     flag.save(folder.join("flag.png")).unwrap();
+}
+
+/// The words of a line of a shell: split at blanks, except within single quotes; a backslash before a quote keeps it.
+fn words(line: &str) -> Vec<String> {
+    let (mut words, mut word, mut is_quoted) = (Vec::new(), None::<String>, false);
+    let mut characters = line.chars().peekable();
+    while let Some(c) = characters.next() {
+        match c {
+            '\'' => {
+                is_quoted = !is_quoted;
+                word.get_or_insert_default();
+            }
+            '\\' if !is_quoted && characters.peek() == Some(&'\'') => {
+                word.get_or_insert_default().extend(characters.next());
+            }
+            c if c.is_whitespace() && !is_quoted => words.extend(word.take()),
+            c => word.get_or_insert_default().push(c),
+        }
+    }
+    words.extend(word);
+    words
 }
