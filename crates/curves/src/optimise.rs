@@ -99,7 +99,7 @@ pub struct CurveResult {
 /// gives none.
 ///
 /// # Errors
-/// [`Error::TooLarge`] for too many curves, [`Error::Unusable`] for curves that cannot go on where parts of the exemplar
+/// [`Error::TooLarge`] for too many curves, [`Error::Parameter`] for curves that cannot go on where parts of the exemplar
 /// are put together, and those of `go_on`.
 pub fn curves(
     exemplar: &CurveExemplar,
@@ -146,9 +146,12 @@ pub fn curves(
             return Ok(result);
         }
     }
-    Err(Error::Unusable {
-        name: "the drawing".into(),
-        reason: "its lines do not go on where parts of it are put together".into(),
+    Err(Error::Parameter {
+        name: "method",
+        value: "curves".into(),
+        allowed:
+            "for a drawing whose lines go on where parts of it are put together; most of this one's end there"
+                .into(),
     })
 }
 

@@ -2,17 +2,19 @@
 //!
 //! Up to four sets of parallel lines lie one over the other, each where the element is darker than a limit: lines, as
 //! many between them, lines across these, and as many between those. Lightness is Oklab's, between the darkest and the
-//! lightest parts of the selected elements. Dark spots become dots of their size; light ones are left out.
+//! lightest parts of the selected elements. What is too small for lines, soft ellipses too, becomes dots of ink if it is
+//! dark, and is left out if it is light.
 
 use super::colours::mean;
 use super::selection::Chosen;
-use super::textons::{change, selected, selected_mut};
+use super::textons::{change, selected, selected_mut, size};
 use super::thin::retain;
+use std::collections::BTreeSet;
 use std::f64::consts::FRAC_PI_2;
 use vtex_base::geometry::{Affine, BezPath, Curve, Interior, Outline, Point, rotation};
 use vtex_base::raster::colour::Colour;
 use vtex_scene::element::{Join, Line, Profile};
-use vtex_scene::scene::{Element, Instance, Scene, Shape};
+use vtex_scene::scene::{Element, Instance, InstanceId, Scene, Shape};
 
 /// What is drawn with, and on. Lengths in pixels of the canvas.
 #[derive(Clone, Copy)]
@@ -24,6 +26,14 @@ pub(super) struct Pen {
     pub(super) width: f64,
     pub(super) ink: Colour,
     pub(super) paper: Colour,
+}
+
+impl Pen {
+    /// Whether an element shown at `size` is no more than a dot.
+    fn dots(&self, element: &Element, size: f64) -> bool {
+        let least = SMALL * self.spacing;
+        element.base().is_soft() || element.outline().area() * size * size < least * least
+    }
 }
 
 /// A set of parallel lines.
@@ -43,7 +53,9 @@ const SETS: [LineSet; 4] = [
     LineSet { limit: 0.3, offset: 0.0, across: true },
     LineSet { limit: 0.15, offset: 0.5, across: true },
 ];
-/// Lightness from which a spot is left out.
+/// Side of the smallest square that has lines, in spacings.
+const SMALL: f64 = 2.0;
+/// Lightness from which a dot is left out.
 const LIGHT: f64 = 0.5;
 /// Distance of the places along a line at which lightness is looked up, in spacings.
 const STEP: f64 = 0.25;
@@ -53,21 +65,20 @@ const EXTREMES: [f64; 2] = [0.04, 0.96];
 /// Draws the selected elements in ink.
 pub(super) fn hatch(scene: &mut Scene, chosen: &Chosen, pen: Pen) {
     let tones = Tones::of(scene, chosen);
-    let shows = |scene: &Scene, instance: &Instance| {
-        let spot = scene.elements[instance.element.index()].spot(instance.colour);
-        spot.is_none_or(|(_, colour)| tones.lightness(colour) < LIGHT)
+    let is_light = |instance: &&Instance| {
+        let element = &scene.elements[instance.element.index()];
+        let colour = instance.colour.unwrap_or(element.base().colour);
+        pen.dots(element, size(instance)) && tones.lightness(colour) >= LIGHT
     };
-    for instance in selected_mut(scene, chosen) {
-        instance.stroke = None;
-    }
-    change(scene, chosen, |element, size| match element.spot(None) {
-        Some((ellipse, _)) => dot(element, ellipse.profile, pen.ink),
-        None => drawn(element, size, pen, &tones),
+    let light: BTreeSet<InstanceId> =
+        selected(scene, chosen).filter(is_light).map(|instance| instance.id).collect();
+    change(scene, chosen, |element, size| {
+        if pen.dots(element, size) { dot(element, pen.ink) } else { drawn(element, size, pen, &tones) }
     });
     for instance in selected_mut(scene, chosen) {
-        instance.colour = None;
+        (instance.colour, instance.stroke) = (None, None);
     }
-    retain(scene, chosen, shows);
+    retain(scene, chosen, |_, instance| !light.contains(&instance.id));
 }
 
 /// The range of lightness of elements.
@@ -103,12 +114,12 @@ impl Tones {
     }
 }
 
-/// A spot as a dot of as much ink.
-fn dot(element: &Element, profile: Profile, ink: Colour) -> Element {
+/// A small element as a dot of as much ink.
+fn dot(element: &Element, ink: Colour) -> Element {
     let outline = element.outline();
     let middle = outline.bounds().center().to_vec2();
-    let shrink =
-        Affine::translate(middle) * Affine::scale(profile.opaque_radius()) * Affine::translate(-middle);
+    let radius = element.base().ellipse.as_ref().map_or(1.0, |ellipse| ellipse.profile.opaque_radius());
+    let shrink = Affine::translate(middle) * Affine::scale(radius) * Affine::translate(-middle);
     Element { silhouette: None, shapes: vec![Shape::new(outline.moved(shrink), ink)], ..*element }
 }
 

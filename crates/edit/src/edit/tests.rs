@@ -398,7 +398,7 @@ fn ink_drawings_keep_ids_and_places_and_leave_light_spots_out() {
         colour: Colour([0; 3]),
         paper: Colour([255; 3]),
     };
-    let drawn = one(on("primary", hatch(4.0)));
+    let drawn = one(on("primary", hatch(1.0)));
     let ids = |scene: &Scene| scene.primary().iter().map(|i| (i.id, i.transform)).collect::<Vec<_>>();
     assert_eq!(ids(&drawn), ids(&scene()));
     assert_eq!(drawn.secondary(), scene().secondary());
