@@ -56,13 +56,13 @@ fn texts_mean_operations() {
         ("simplify 1", Action::Simplify { tolerance: 1.0 }),
         ("outline 1.5 #202020", Action::Outline { width: 1.5, colour: colour("#202020") }),
         (
-            "hatch --spacing 5 --paper #fed",
+            "hatch --spacing 5 --paper #ffeedd",
             Action::Hatch {
                 spacing: 5.0,
                 angle: -45.0,
                 width: 0.7,
                 colour: colour("#202020"),
-                paper: colour("#fed"),
+                paper: colour("#ffeedd"),
             },
         ),
         ("replace b.lib.json", Action::Replace { library: "b.lib.json".into() }),

@@ -133,10 +133,10 @@ pub(super) enum Verb {
         /// their width, and that of outlines
         #[arg(long, number = Action::HATCH_WIDTH, default_value_t = Action::HATCH_WIDTH.default())]
         width: f64,
-        /// the ink [#rrggbb, #rgb or a name of CSS]
+        /// the ink [#rrggbb, #rgb or a name of CSS, default: #202020]
         #[arg(long, value_parser = colour, default_value = "#202020")]
         color: Colour,
-        /// the paper, within outlines [#rrggbb, #rgb or a name of CSS]
+        /// the paper, within outlines [#rrggbb, #rgb or a name of CSS, default: white]
         #[arg(long, value_parser = colour, default_value = "white")]
         paper: Colour,
     },
