@@ -89,11 +89,14 @@ struct Tones {
 impl Tones {
     /// Of the selected elements, each counted once for each place.
     fn of(scene: &Scene, chosen: &Chosen) -> Self {
-        let mut parts: Vec<(f64, f64)> = selected(scene, chosen)
-            .map(|instance| &scene.elements[instance.element.index()])
-            .flat_map(|element| &element.shapes)
-            .map(|shape| (f64::from(shape.colour.to_oklab()[0]), shape.area()))
-            .collect();
+        let mut parts = Vec::new();
+        for instance in selected(scene, chosen) {
+            let mut own = instance.colour;
+            for shape in &scene.elements[instance.element.index()].shapes {
+                let colour = own.take().unwrap_or(shape.colour);
+                parts.push((f64::from(colour.to_oklab()[0]), shape.area()));
+            }
+        }
         parts.sort_by(|a, b| a.0.total_cmp(&b.0));
         let all: f64 = parts.iter().map(|part| part.1).sum();
         let range = EXTREMES.map(|share| {

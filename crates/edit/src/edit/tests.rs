@@ -417,6 +417,7 @@ fn ink_drawings_keep_ids_and_places_and_leave_light_spots_out() {
         let soft = Shape::soft_along(&around, Colour([tone; 3]), Profile::Soft).unwrap();
         *element = element.with_shapes(vec![soft]);
     }
+    spots.instances_mut().for_each(|instance| instance.colour = None);
     let dots = edited(&spots, &[on("secondary", hatch(4.0))]).0;
     let dark = spots.secondary().iter().filter(|i| i.element == second).count();
     assert_eq!(dots.secondary().len(), dark);
