@@ -3,94 +3,51 @@
 
 use crate::input::InputSamples;
 use crate::output::OutputSamples;
-use crate::search::Matches;
+use vtex_base::geometry::coherence::{MissedGroup, MissedPoint, NeighbourhoodMatches, StandingPoints};
 use vtex_base::geometry::dense::NONE;
-use vtex_base::geometry::plane::{PointIndex, length};
+use vtex_base::geometry::plane::length;
+use vtex_base::parallel;
 
-/// Share of the neighbourhoods around a place that must miss a sample there.
-const MAJORITY: f64 = 0.5;
-
-/// A sample that one neighbourhood misses.
-struct Missing {
-    at: [f64; 2],
-    source: u32,
-    /// The cluster that the neighbourhood would put it in, or [`NONE`].
-    cluster: u32,
-}
+/// A sample that one neighbourhood misses, and the cluster that it would put it in, or [`NONE`].
+type MissedSample = (MissedPoint, u32);
 
 /// Adds the samples that most neighbourhoods miss, and returns how many.
-pub(crate) fn add_missing(output: &mut OutputSamples, input: &InputSamples, matches: &Matches) -> usize {
-    let delta = input.scale.distance;
-    let rim = input.scale.radius - 0.5 * delta;
+pub(crate) fn add_missing(
+    output: &mut OutputSamples,
+    input: &InputSamples,
+    matches: &NeighbourhoodMatches,
+) -> usize {
+    let distance = input.scale.distance;
+    let rim = input.scale.radius - 0.5 * distance;
     let all: Vec<usize> = (0..matches.near.len()).collect();
-    let missing: Vec<Missing> =
-        vtex_base::parallel::map(&all, |&s| of_neighbourhood(output, input, matches, (s, rim)))
-            .into_iter()
-            .flatten()
-            .collect();
-    if missing.is_empty() {
-        return 0;
-    }
-    let places: Vec<[f64; 2]> = missing.iter().map(|m| m.at).collect();
-    let index = PointIndex::new(output.plane, 0.5 * delta, &places);
-    let standing = PointIndex::new(output.plane, rim, &output.points);
-    let alike = |a: u32, b: u32| input.colour_cost(a, b) == 0.0;
-    let together = |m: usize| {
-        let mut group = Vec::new();
-        index.within(places[m], 0.5 * delta, |k, way| {
-            if alike(missing[k].source, missing[m].source) {
-                group.push((k, way));
-            }
-        });
-        group.sort_by_key(|g| g.0);
-        group
+    let found = parallel::map(&all, |&s| of_neighbourhood(output, input, matches, (s, rim)));
+    let (missed, clusters): (Vec<MissedPoint>, Vec<u32>) = found.into_iter().flatten().unzip();
+    let standing = StandingPoints {
+        plane: output.plane,
+        points: &output.points,
+        alike: |a: u32, b: u32| input.colour_cost(a, b) == 0.0,
+        is_of_kind: |s: usize, source: u32| input.colour_cost(output.copied[s], source) == 0.0,
     };
-    let counted: Vec<usize> = (0..missing.len()).collect();
-    let counts = vtex_base::parallel::map(&counted, |&m| together(m).len());
-    let mut order = counted;
-    order.sort_by_key(|&m| (std::cmp::Reverse(counts[m]), m));
-    let mut taken = vec![false; missing.len()];
-    let mut added: Vec<(u32, [f64; 2], u32)> = Vec::new();
-    for m in order {
-        if taken[m] {
-            continue;
-        }
-        let group = together(m);
-        group.iter().for_each(|g| taken[g.0] = true);
-        let (mut around, mut occupied) = (0u32, false);
-        standing.within(places[m], rim, |s, way| {
-            around += 1;
-            occupied |= length(way) < 0.5 * delta && alike(output.copied[s], missing[m].source);
-        });
-        let close = |(source, at, _): &(u32, [f64; 2], u32)| {
-            alike(*source, missing[m].source) && length(output.plane.between(*at, places[m])) < 0.7 * delta
-        };
-        if occupied || (group.len() as f64) <= MAJORITY * f64::from(around) || added.iter().any(close) {
-            continue;
-        }
-        let part = 1.0 / group.len() as f64;
-        let off = group.iter().fold([0.0; 2], |sum, (_, w)| [sum[0] + part * w[0], sum[1] + part * w[1]]);
-        let at = output.plane.wrapped([places[m][0] + off[0], places[m][1] + off[1]]);
-        let cluster = commonest(group.iter().map(|g| missing[g.0].cluster).filter(|c| *c != NONE));
-        added.push((missing[m].source, at, cluster.unwrap_or(NONE)));
-    }
+    let added = standing.missed(&missed, distance, rim);
     // Samples of no cluster that belong to one element of the exemplar, moved alike, make a new one.
     let mut new: Vec<(u32, [f64; 2], u32)> = Vec::new();
-    for (source, at, cluster) in &added {
-        let mut cluster = *cluster;
+    for MissedGroup { at, source, members } in &added {
+        let at = output.plane.wrapped(*at);
+        let known = commonest(members.iter().map(|&m| clusters[m]).filter(|c| *c != NONE));
+        let mut cluster = known.unwrap_or(NONE);
         if cluster == NONE {
             let place = input.place[*source as usize];
             let from = input.points[*source as usize];
             let by = [at[0] - from[0], at[1] - from[1]];
             let same =
-                |n: &&(u32, [f64; 2], u32)| n.0 == place && length(output.plane.between(n.1, by)) < delta;
+                |n: &&(u32, [f64; 2], u32)| n.0 == place && length(output.plane.between(n.1, by)) < distance;
             cluster = new.iter().find(same).map_or(output.clusters, |n| n.2);
             if cluster == output.clusters {
                 output.clusters += 1;
                 new.push((place, by, cluster));
             }
         }
-        output.points.push(*at);
+        output.points.push(at);
         output.source.push(*source);
         output.copied.push(*source);
         output.cluster.push(cluster);
@@ -102,9 +59,9 @@ pub(crate) fn add_missing(output: &mut OutputSamples, input: &InputSamples, matc
 fn of_neighbourhood(
     output: &OutputSamples,
     input: &InputSamples,
-    matches: &Matches,
+    matches: &NeighbourhoodMatches,
     (s, rim): (usize, f64),
-) -> Vec<Missing> {
+) -> Vec<MissedSample> {
     let own = matches.near.range(s);
     let source = output.source[s];
     let (mut found, centre) = (Vec::new(), output.points[s]);
@@ -122,7 +79,7 @@ fn of_neighbourhood(
         } else {
             beside.map_or(NONE, |k| output.cluster[matches.near.ids[k] as usize])
         };
-        found.push(Missing { at: [centre[0] + way[0], centre[1] + way[1]], source: i, cluster });
+        found.push((MissedPoint { at: [centre[0] + way[0], centre[1] + way[1]], source: i }, cluster));
     }
     found
 }

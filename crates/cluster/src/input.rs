@@ -4,6 +4,7 @@ use crate::context::{BINS, Context, contexts, difference, shares, unit};
 use crate::figures::{ClusterExemplar, samples};
 use std::collections::BTreeMap;
 use vtex_base::error::Result;
+use vtex_base::geometry::coherence::SourcePoints;
 use vtex_base::geometry::plane::{PeriodicPlane, PointIndex, Vicinity, length};
 
 /// Weight of the difference of contexts (w_f of the paper), in lengths of which the exemplar has 400. The
@@ -158,6 +159,12 @@ impl InputSamples {
     /// The samples of the place that a sample belongs to.
     pub(crate) fn cluster(&self, place: u32) -> std::ops::Range<usize> {
         self.first[place as usize] as usize..self.first[place as usize + 1] as usize
+    }
+
+    /// The samples, for a search.
+    pub(crate) fn sources(&self) -> SourcePoints<'_> {
+        let Self { plane, points, index, near, .. } = self;
+        SourcePoints { plane: *plane, points, index, near, distance: self.scale.distance }
     }
 
     /// Samples with neighbourhoods similar to that of sample `i`, the most similar first.

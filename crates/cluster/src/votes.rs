@@ -3,7 +3,7 @@
 
 use crate::input::InputSamples;
 use crate::output::OutputSamples;
-use crate::search::Matches;
+use vtex_base::geometry::coherence::NeighbourhoodMatches;
 use vtex_base::geometry::dense::NONE;
 use vtex_base::geometry::plane::{PointIndex, Vicinity};
 use vtex_base::parallel;
@@ -22,7 +22,12 @@ pub(crate) struct PairVotes {
 
 impl PairVotes {
     /// The votes on all pairs closer than `reach`.
-    pub(crate) fn new(output: &OutputSamples, input: &InputSamples, matches: &Matches, reach: f64) -> Self {
+    pub(crate) fn new(
+        output: &OutputSamples,
+        input: &InputSamples,
+        matches: &NeighbourhoodMatches,
+        reach: f64,
+    ) -> Self {
         let index = PointIndex::new(output.plane, reach, &output.points);
         let near = Vicinity::new(&index, &output.points, reach, (MOST_PARTNERS, true));
         let holders = holders(output, matches);
@@ -76,7 +81,7 @@ struct Holders {
     of: Vec<(u32, u32)>,
 }
 
-fn holders(output: &OutputSamples, matches: &Matches) -> Holders {
+fn holders(output: &OutputSamples, matches: &NeighbourhoodMatches) -> Holders {
     let mut starts = vec![0u32; output.len() + 1];
     let each = |f: &mut dyn FnMut(usize, u32, u32)| {
         for centre in 0..matches.near.len() {

@@ -3,7 +3,8 @@
 
 use crate::input::CurveInput;
 use crate::output::{CurveOutput, JoinedEdge};
-use crate::search::CurveMatches;
+use crate::search::matched_pairs;
+use vtex_base::geometry::coherence::NeighbourhoodMatches;
 use vtex_base::geometry::plane::length;
 use vtex_base::parallel;
 
@@ -20,12 +21,12 @@ pub(crate) struct EdgeVote {
 
 /// Joins samples anew by the votes of the matched neighbourhoods. Edges that two samples cannot be asked about, because
 /// no neighbourhood holds both, stay.
-pub(crate) fn improve_edges(output: &mut CurveOutput, input: &CurveInput, matches: &CurveMatches) {
+pub(crate) fn improve_edges(output: &mut CurveOutput, input: &CurveInput, matches: &NeighbourhoodMatches) {
     let all: Vec<usize> = (0..matches.near.len()).collect();
     let longest = LONGEST * input.scale.distance;
     // For each pair the edge of the exemplar between the matches, or none.
     let ballots = parallel::map(&all, |&s| {
-        let pairs: Vec<(u32, u32)> = matches.pairs(output, s).collect();
+        let pairs: Vec<(u32, u32)> = matched_pairs(matches, output, s).collect();
         let mut ballots: Vec<([u32; 2], u32)> = Vec::new();
         for (k, &(a, i)) in pairs.iter().enumerate() {
             for &(b, j) in &pairs[k + 1..] {
@@ -56,7 +57,7 @@ pub(crate) fn improve_edges(output: &mut CurveOutput, input: &CurveInput, matche
     }
     let mut wanted = vec![(0.0, 0.0); matches.near.len()];
     for s in 0..matches.near.len() {
-        for (a, i) in matches.pairs(output, s) {
+        for (a, i) in matched_pairs(matches, output, s) {
             wanted[a as usize].0 += input.ways[i as usize].len() as f64;
             wanted[a as usize].1 += 1.0;
         }

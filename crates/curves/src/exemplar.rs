@@ -61,30 +61,26 @@ struct LineStep {
 }
 
 impl CurveExemplar {
-    /// Whether the strokes go on across the borders of a page that repeats: most of those that reach a border do. True
-    /// where none reaches a border.
-    ///
-    /// # Errors
-    /// Those of `go_on`.
-    pub fn is_seamless(&self, go_on: &dyn Fn() -> Result<()>) -> Result<bool> {
+    /// Whether the strokes, whose graph is `whole`, go on across the borders of a page that repeats: most of those that
+    /// reach a border do. True where none reaches a border.
+    pub fn is_seamless(&self, whole: &CurveGraph) -> bool {
         let copy = |p: [f64; 2], k: usize| libm::floor(p[k] / self.page.size[k]);
         let crosses = |w: &&[[f64; 2]]| (0..2).any(|k| self.page.wraps[k] && copy(w[0], k) != copy(w[1], k));
         let crossings: usize = self.strokes.iter().map(|s| s.points.windows(2).filter(crosses).count()).sum();
-        let whole = self.graph(go_on)?;
         let near = BORDER * self.weld;
         let at_border = |n: &usize| {
             let at = whole.points[*n];
             (0..2).any(|k| self.page.wraps[k] && (at[k] < near || at[k] > self.page.size[k] - near))
         };
         let broken = (0..whole.points.len()).filter(|n| whole.degree(*n) == 1).filter(at_border).count();
-        Ok(broken as f64 <= BROKEN * (2 * crossings + broken) as f64)
+        broken as f64 <= BROKEN * (2 * crossings + broken) as f64
     }
 
     /// The graph of the strokes: edges from node to node.
     ///
     /// # Errors
     /// Those of `go_on`.
-    pub(crate) fn graph(&self, go_on: &dyn Fn() -> Result<()>) -> Result<CurveGraph> {
+    pub fn graph(&self, go_on: &dyn Fn() -> Result<()>) -> Result<CurveGraph> {
         let lines = self.lines(go_on)?;
         let mut steps = Vec::new();
         for (l, line) in lines.iter().enumerate() {

@@ -20,7 +20,7 @@ pub(crate) struct CurveEdge {
 
 /// A graph of curves. Half-edge `2 e + d` is edge e as it leaves its end d.
 #[derive(Clone, Debug)]
-pub(crate) struct CurveGraph {
+pub struct CurveGraph {
     pub(crate) plane: PeriodicPlane,
     pub(crate) points: Vec<[f64; 2]>,
     /// Nodes at which the border of the page cuts a curve.

@@ -6,6 +6,7 @@
 
 use crate::input::CurveInput;
 use crate::output::{CurveOutput, JoinedEdge};
+use std::collections::BTreeMap;
 use vtex_base::error::Result;
 use vtex_base::geometry::plane::{PeriodicPlane, PointIndex, length};
 use vtex_base::parallel;
@@ -23,6 +24,8 @@ const ALONG: f64 = 0.2;
 const CHANGE: f64 = 0.22;
 /// The same for a page that repeats: patches of regular drawings that are out of step are seen at once.
 const CHANGE_REGULAR: f64 = 0.04;
+/// Most samples that are remembered as alike, some 64 MB.
+const MOST_KNOWN: usize = 1 << 24;
 /// Longest miss of two ends that are joined across a border, in sample distances, and the cosine of their largest angle.
 const JOINED: f64 = 1.3;
 const STRAIGHT: f64 = 0.5;
@@ -83,6 +86,7 @@ pub(crate) fn patches(
     let count = [0, 1].map(|k| libm::ceil(plane.size[k] / side.min(most[k])).max(1.0) as usize);
     let size = [0, 1].map(|k| plane.size[k] / count[k] as f64);
     let mut output = CurveOutput::new(plane);
+    let mut alike = AlikeSamples { input, known: BTreeMap::new() };
     let mut patches: Vec<Patch> = Vec::with_capacity(count[0] * count[1]);
     for j in 0..count[1] {
         for i in 0..count[0] {
@@ -104,7 +108,7 @@ pub(crate) fn patches(
         let rim = rim(&output, &patches, &beside, input);
         let going_on: Vec<[f64; 2]> = beside.iter().filter_map(|b| patches[*b].offset).collect();
         let mut random = stream(seed, "curves/patches", p as u64);
-        let offset = choose(input, &patches[p], &rim, (&going_on, plane), (variation, &mut random));
+        let offset = choose(&mut alike, &patches[p], &rim, (&going_on, plane), (variation, &mut random));
         let patch = &mut patches[p];
         patch.offset = Some(offset);
         for (at, source) in within(input, patch, offset, 0.0) {
@@ -142,17 +146,19 @@ fn rim(output: &CurveOutput, patches: &[Patch], beside: &[usize], input: &CurveI
         }
     }
     let places: Vec<[f64; 2]> = samples.iter().map(|s| s.0).collect();
-    Rim { index: PointIndex::new(output.plane, input.scale.distance, &places), samples }
+    // A rim is small beside the canvas: wide cells are soon made.
+    Rim { index: PointIndex::new(output.plane, 2.0 * input.scale.radius, &places), samples }
 }
 
 /// The way from the canvas to the exemplar for a patch.
 fn choose(
-    input: &CurveInput,
+    alike: &mut AlikeSamples<'_>,
     patch: &Patch,
     rim: &Rim,
     (going_on, plane): (&[[f64; 2]], PeriodicPlane),
     (variation, random): (f64, &mut Stream),
 ) -> [f64; 2] {
+    let input = alike.input;
     let page = input.graph.plane;
     // A page that does not repeat must hold the patch.
     let fits = |offset: &[f64; 2]| {
@@ -179,10 +185,8 @@ fn choose(
         } else {
             // A curve of the exemplar on a curve beside the patch.
             let (at, source) = rim.samples[near[random.index(near.len())]];
-            let like: Vec<usize> = (0..input.len())
-                .filter(|i| !input.graph.open[*i] && alike(input, source, *i as u32))
-                .collect();
-            let to = input.graph.points[like[random.index(like.len())]];
+            let like = alike.to(source);
+            let to = input.graph.points[like[random.index(like.len())] as usize];
             let middle = [0, 1].map(|k| patch.low[k] + 0.5 * patch.size[k]);
             let way = plane.between(middle, at);
             [0, 1].map(|k| to[k] - (middle[k] + way[k]))
@@ -210,6 +214,26 @@ fn depth(patch: &Patch, plane: PeriodicPlane, at: [f64; 2]) -> f64 {
     let middle = [0, 1].map(|k| patch.low[k] + 0.5 * patch.size[k]);
     let way = plane.between(middle, at);
     (0..2).map(|k| way[k].abs() - 0.5 * patch.size[k]).fold(f64::MIN, f64::max)
+}
+
+/// Samples of the exemplar that are alike.
+struct AlikeSamples<'a> {
+    input: &'a CurveInput,
+    known: BTreeMap<u32, Vec<u32>>,
+}
+
+impl AlikeSamples<'_> {
+    /// The samples that may stand where a sample does.
+    fn to(&mut self, source: u32) -> &[u32] {
+        let input = self.input;
+        if self.known.len() * input.len() > MOST_KNOWN {
+            self.known.clear();
+        }
+        self.known.entry(source).or_insert_with(|| {
+            let may_stand = |i: &u32| !input.graph.open[*i as usize] && alike(input, source, *i);
+            (0..input.len() as u32).filter(may_stand).collect()
+        })
+    }
 }
 
 /// Whether two samples of the exemplar have edges in about the same directions.
@@ -241,7 +265,6 @@ fn misfit(
     let expected: Vec<([f64; 2], u32)> =
         within(input, patch, offset, band).into_iter().filter(|e| depth(patch, plane, e.0) > 0.0).collect();
     let places: Vec<[f64; 2]> = expected.iter().map(|e| plane.wrapped(e.0)).collect();
-    let index = PointIndex::new(plane, delta, &places);
     let apart = |own: u32, other: u32, way: [f64; 2]| {
         let mut cost: f64 = 1.0;
         let along = input.graph.leaving[own as usize].first().map_or([0.0; 2], |h| input.graph.tangent(*h));
@@ -286,7 +309,12 @@ fn misfit(
             continue;
         }
         let mut best: f64 = 1.0;
-        index.within(at, delta, |e, way| best = best.min(apart(source, expected[e].1, way)));
+        for (place, (_, other)) in places.iter().zip(&expected) {
+            let way = plane.between(at, *place);
+            if way[0] * way[0] + way[1] * way[1] < delta * delta {
+                best = best.min(apart(source, *other, way));
+            }
+        }
         sum += best;
         count += 1.0;
     }

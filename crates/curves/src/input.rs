@@ -2,6 +2,7 @@
 
 use crate::graph::CurveGraph;
 use vtex_base::error::Result;
+use vtex_base::geometry::coherence::SourcePoints;
 use vtex_base::geometry::dense::DenseAssignment;
 use vtex_base::geometry::plane::{PointIndex, Vicinity, length};
 use vtex_base::parallel;
@@ -70,6 +71,13 @@ impl CurveInput {
 
     pub(crate) fn len(&self) -> usize {
         self.graph.points.len()
+    }
+
+    /// The samples, for a search.
+    pub(crate) fn sources(&self) -> SourcePoints<'_> {
+        let Self { graph, index, near, .. } = self;
+        let (plane, points) = (graph.plane, &graph.points);
+        SourcePoints { plane, points, index, near, distance: self.scale.distance }
     }
 
     /// Samples whose surroundings resemble those of a sample.

@@ -29,6 +29,7 @@ mod tests;
 mod trace;
 
 pub use exemplar::{CurveExemplar, CurveStroke};
+pub use graph::CurveGraph;
 pub use measures::CurveMeasures;
 pub use mend::CurveMends;
 pub use optimise::{CurveLevel, CurveParams, CurveParts, CurveResult, curves};

@@ -27,8 +27,6 @@ pub struct CurveMends {
     pub attached: usize,
     /// Samples of branches taken away.
     pub removed: usize,
-    /// Ends left although the exemplar has none like them.
-    pub left: usize,
 }
 
 /// A loose end: its sample and the direction in which the curve would go on.
@@ -82,7 +80,6 @@ pub(crate) fn mend(output: &mut CurveOutput, input: &CurveInput) -> CurveMends {
         counts.joined += join_ends(output, input, REACH[REACH.len() - 1] * delta);
     }
     output.improve_orientations(input);
-    counts.left = loose_ends(output, input).len();
     counts
 }
 

@@ -1,7 +1,6 @@
 //! The synthesis from coarse to fine.
 
 use crate::edges::improve_edges;
-use crate::exemplar::CurveExemplar;
 use crate::existence::improve_existence;
 use crate::graph::CurveGraph;
 use crate::initial::{noise, patches};
@@ -95,23 +94,22 @@ pub struct CurveResult {
     pub measures: [CurveMeasures; 2],
 }
 
-/// Synthesises curves like those of an exemplar. `go_on` is asked between parts of the work. An exemplar without curves
+/// Synthesises curves like those of an exemplar, given as their graph. `go_on` is asked between parts of the work. An exemplar without curves
 /// gives none.
 ///
 /// # Errors
 /// [`Error::TooLarge`] for too many curves, [`Error::Parameter`] for curves that cannot go on where parts of the exemplar
 /// are put together, and those of `go_on`.
 pub fn curves(
-    exemplar: &CurveExemplar,
+    exemplar: &CurveGraph,
     params: &CurveParams,
     go_on: &dyn Fn() -> Result<()>,
 ) -> Result<CurveResult> {
-    let own = exemplar.graph(go_on)?;
-    let total = own.length();
+    let total = exemplar.length();
     if total <= 0.0 {
         return Ok(CurveResult::default());
     }
-    let own = own.stretched(stretch(exemplar.page, params));
+    let own = exemplar.stretched(stretch(exemplar.plane, params));
     let page = own.plane;
     let spacing = page.area() / total;
     let long = page.size[0].max(page.size[1]);
@@ -138,9 +136,9 @@ pub fn curves(
     let shown = ShownPart { size: params.size, tile: params.tile, margin: 0.4 * coarsest.radius };
     let least = LEAST_LENGTH * total / page.area() * plane.area();
     // Where the optimisation loses the curves, patches alone are taken.
-    let attempts = [used, Vec::new()];
-    for levels in attempts.iter().take(if attempts[0].is_empty() { 1 } else { 2 }) {
-        let (graph, mut result) = attempt(&input, (levels, coarsest), plane, params, go_on)?;
+    let attempts = if used.is_empty() { vec![used] } else { vec![used, Vec::new()] };
+    for levels in attempts {
+        let (graph, mut result) = attempt(&input, (&levels, coarsest), plane, params, go_on)?;
         if result.measures[1].length >= least || params.without.no_patches {
             result.curves = traced(&graph, shown, params.tolerance);
             return Ok(result);
@@ -164,29 +162,32 @@ fn attempt(
     params: &CurveParams,
     go_on: &dyn Fn() -> Result<()>,
 ) -> Result<(CurveGraph, CurveResult)> {
-    let optimised = !levels.is_empty();
-    let scales = if optimised { levels } else { &[coarsest] };
     let mut result = CurveResult::default();
-    let mut state: Option<(CurveOutput, CurveInput)> = None;
-    for scale in scales {
-        let mut next = CurveInput::new(input, *scale, go_on)?;
-        next.with_edges = !params.without.no_edge;
-        let output = match state.take() {
-            Some((before, input)) => before.resampled(&input, &next),
-            None if params.without.no_patches => noise(&next, plane, params.seed),
-            None => patches(&next, plane, (params.variation, params.seed), go_on)?,
-        };
+    let mut settled = |output: CurveOutput, input: &CurveInput| {
         go_on()?;
-        let output = if optimised {
-            let (output, level) = level_of(output, &next, params, go_on)?;
-            result.levels.push(level);
-            output
-        } else {
-            output
-        };
-        state = Some((output, next));
+        if levels.is_empty() {
+            return Ok(output);
+        }
+        let (output, level) = level_of(output, input, params, go_on)?;
+        result.levels.push(level);
+        Ok::<_, Error>(output)
+    };
+    let sampled = |scale: CurveScale| -> Result<CurveInput> {
+        let mut samples = CurveInput::new(input, scale, go_on)?;
+        samples.with_edges = !params.without.no_edge;
+        Ok(samples)
+    };
+    let mut last = sampled(levels.first().copied().unwrap_or(coarsest))?;
+    let start = match params.without.no_patches {
+        true => noise(&last, plane, params.seed),
+        false => patches(&last, plane, (params.variation, params.seed), go_on)?,
+    };
+    let mut output = settled(start, &last)?;
+    for scale in levels.iter().skip(1) {
+        let finer = sampled(*scale)?;
+        output = settled(output.resampled(&last, &finer), &finer)?;
+        last = finer;
     }
-    let Some((mut output, last)) = state else { return Ok((input.clone(), result)) };
     if !params.without.no_mend {
         result.mended = mend(&mut output, &last);
     }
@@ -261,8 +262,8 @@ pub(crate) fn level_of(
             level.changed = [level.changed[0] + added.len(), level.changed[1] + removed];
             changes = removed + added.len();
             output.retain(&keep);
-            for (at, source) in added {
-                output.push(at, source, input);
+            for missed in added {
+                output.push(missed.at, missed.source, input);
             }
         }
         output.improve_orientations(input);

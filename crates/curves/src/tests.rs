@@ -124,7 +124,7 @@ fn params(size: [f64; 2], tile: bool) -> CurveParams {
 }
 
 fn made(exemplar: &CurveExemplar, params: &CurveParams) -> CurveResult {
-    curves(exemplar, params, &go_on).unwrap()
+    curves(&exemplar.graph(&go_on).unwrap(), params, &go_on).unwrap()
 }
 
 fn input(exemplar: &CurveExemplar, distance: f64, radius: f64) -> CurveInput {
@@ -363,11 +363,12 @@ fn the_same_on_one_and_on_two_threads() {
 
 #[test]
 fn pages_whose_borders_do_not_join_are_known() {
-    assert!(periodic_waves().is_seamless(&go_on).unwrap());
-    assert!(cells().is_seamless(&go_on).unwrap());
+    let is_seamless = |of: &CurveExemplar| of.is_seamless(&of.graph(&go_on).unwrap());
+    assert!(is_seamless(&periodic_waves()));
+    assert!(is_seamless(&cells()));
     let torn = (0..9).map(|k| line(0.0, 240.0, |x| 15.0 * f64::from(k) + 0.05 * x)).collect();
     let torn = exemplar(page([240.0, 160.0], true), torn);
-    assert!(!torn.is_seamless(&go_on).unwrap());
+    assert!(!is_seamless(&torn));
 }
 
 #[test]
@@ -418,7 +419,8 @@ fn bad_input_is_drawn_or_refused() {
     for (name, strokes) in cases {
         for wraps in [false, true] {
             let plane = PeriodicPlane { wraps: [wraps; 2], ..small };
-            match curves(&exemplar(plane, strokes.clone()), &params([300.0, 260.0], true), &go_on) {
+            let graph = exemplar(plane, strokes.clone()).graph(&go_on).unwrap();
+            match curves(&graph, &params([300.0, 260.0], true), &go_on) {
                 Ok(made) => assert!(made.curves.iter().all(|c| c.path.is_finite()), "{name}"),
                 Err(Error::Parameter { name: "method", .. }) => {}
                 Err(other) => panic!("{name}: {other}"),
@@ -439,18 +441,19 @@ fn very_many_segments_are_bounded_and_work_can_be_stopped() {
         stroke((0..1000).map(at).collect())
     };
     let many = exemplar(page([400.0, 400.0], false), (0..100).map(zigzag).collect());
-    match curves(&many, &params([400.0, 400.0], false), &go_on) {
+    match many.graph(&go_on).and_then(|graph| curves(&graph, &params([400.0, 400.0], false), &go_on)) {
         Ok(made) => assert!(!made.curves.is_empty()),
         Err(Error::TooLarge { .. }) => {}
         Err(other) => panic!("{other}"),
     }
-    let huge = curves(&periodic_waves(), &params([2e6, 2e6], false), &go_on);
+    let huge = curves(&periodic_waves().graph(&go_on).unwrap(), &params([2e6, 2e6], false), &go_on);
     assert!(matches!(huge, Err(Error::TooLarge { .. })), "{huge:?}");
     let asked = std::sync::atomic::AtomicU32::new(0);
     let stop = || match asked.fetch_add(1, std::sync::atomic::Ordering::Relaxed) {
         20.. => Err(Error::Interrupted),
         _ => Ok(()),
     };
-    let stopped = curves(&cells(), &params([500.0, 500.0], false), &stop);
+    let graph = cells().graph(&stop);
+    let stopped = graph.and_then(|graph| curves(&graph, &params([500.0, 500.0], false), &stop));
     assert!(matches!(stopped, Err(Error::Interrupted)));
 }

@@ -124,14 +124,14 @@ fn fitted(points: &[CoursePoint], closed: bool, tolerance: f64) -> BezPath {
     let smooth = closed && !points[0].corner;
     if corners.is_empty() || smooth {
         let all: Vec<Point> = points.iter().map(|p| p.at).collect();
-        return fitted_curve(&all, [None; 2], tolerance, smooth);
+        return fitted_curve(&all, tolerance, smooth);
     }
     let mut path = BezPath::new();
     path.move_to(points[0].at);
     let mut from = 0;
     for to in corners.into_iter().chain([n]) {
         let span: Vec<Point> = points[from..=to].iter().map(|p| p.at).collect();
-        let piece = fitted_curve(&span, [None; 2], tolerance, false);
+        let piece = fitted_curve(&span, tolerance, false);
         path.extend(piece.elements().iter().skip(1).filter(|e| **e != PathEl::ClosePath).copied());
         from = to;
     }

@@ -1,11 +1,12 @@
 //! Drawings arranged by clustered samples ([`vtex_cluster`]): a library becomes its exemplar, the result a scene.
 
 use super::compose::{Placement, What, compose_drawing};
-use super::covered::{MOVED, covered};
+use super::covered::{MOVED, covered, is_moved};
 use super::report::{CategoryReport, ClusterReport, SynthReport};
+use super::single_drawing::{refusal, single_drawing};
 use crate::arrange::controls::Controls;
 use crate::arrange::motifs::{MotifUnits, UnitPart};
-use vtex_base::error::{Error, Result};
+use vtex_base::error::Result;
 use vtex_base::geometry::{Affine, Outline, Rect, rounded};
 use vtex_base::progress::{Progress, advance};
 use vtex_base::raster::colour::Colour;
@@ -14,7 +15,7 @@ use vtex_cluster::{
     PeriodicPlane, cluster,
 };
 use vtex_scene::element::{self, SimilarTo};
-use vtex_scene::library::{ElementId, Library, SourceKind};
+use vtex_scene::library::{ElementId, Library};
 use vtex_scene::reconstruct::equal;
 use vtex_scene::scene::{Ablation, LibraryId, Scene, SynthParams};
 
@@ -23,27 +24,16 @@ use vtex_scene::scene::{Ablation, LibraryId, Scene, SynthParams};
 /// # Errors
 /// [`Error::Parameter`] that says what prevents it.
 pub(super) fn check(libraries: &[Library], params: &SynthParams, controls: &Controls) -> Result<()> {
-    let refused = |allowed: &'static str| {
-        Err(Error::Parameter { name: "method", value: "clustered".into(), allowed: allowed.into() })
-    };
-    let [library] = libraries else { return refused("for a single library") };
-    if library.source.kind != SourceKind::Drawing || library.is_layered() {
-        return refused("for a drawing");
-    }
-    let varied = params.rotate > 0.0 || params.mirror || params.scale_jitter > 0.0;
-    if varied || controls.density.is_some() || controls.structure.is_some() {
-        return refused(
-            "without turned, mirrored or resized elements, and without a map of densities or a guide",
-        );
-    }
+    let refused = |allowed| refusal("clustered", allowed);
+    let library = single_drawing(libraries, params, controls).map_err(refused)?;
     let clipped = library.primaries().iter().filter(|e| e.clipped).count();
     if clipped > 0 && library.arrangement.periodic {
-        return refused(
+        return Err(refused(
             "for a drawing whose elements end: some of this one run on from copy to copy, which 'period' keeps",
-        );
+        ));
     }
     if clipped == library.primaries().len() && clipped > 0 {
-        return refused("for a drawing with elements that its border does not cut");
+        return Err(refused("for a drawing with elements that its border does not cut"));
     }
     Ok(())
 }
@@ -88,12 +78,11 @@ pub(super) fn synthesize(
     let mut placed = drawing.reaching(&found, &params);
     // Layers keep their order; within one, the order is that of the result.
     placed.sort_by_key(|e| drawing.places[e.place].layer);
-    let known = equal(library.primaries());
+    let known = if units.is_some() { equal(library.primaries()) } else { Vec::new() };
     let placements = placed.iter().flat_map(|e| drawing.placements(library, units.as_ref(), &known, e));
     let scene = compose_drawing(library, &params, controls, placements);
     let covered = covered(library, &scene, || advance(progress, "primaries", 1, 2))?;
-    let wanted = library.categories.iter().map(|c| c.coverage);
-    let categories = wanted.zip(covered).map(|(wanted, got)| CategoryReport { wanted, got }).collect();
+    let categories = CategoryReport::of(library, covered);
     advance(progress, "primaries", 2, 2)?;
     let report = SynthReport {
         coverage_wanted: library.coverage,
@@ -225,9 +214,7 @@ impl ClusteredDrawing {
 /// The first element that an element equals up to its place, and the translation from that one; or itself.
 fn moved_first(known: &[SimilarTo], own: usize) -> (usize, Affine) {
     let SimilarTo { first, map } = known[own];
-    let c = map.as_coeffs();
-    let is_moved = [c[0] - 1.0, c[1], c[2], c[3] - 1.0].iter().all(|v| v.abs() < MOVED);
-    if is_moved { (first, Affine::translate(map.translation())) } else { (own, Affine::IDENTITY) }
+    if is_moved(map) { (first, Affine::translate(map.translation())) } else { (own, Affine::IDENTITY) }
 }
 
 fn colour(colour: Colour) -> [f64; 3] {

@@ -1,6 +1,7 @@
 //! Coverage of a drawing's scene, counted in pixels.
 
 use vtex_base::error::Result;
+use vtex_base::geometry::Affine;
 use vtex_scene::library::Library;
 use vtex_scene::scene::{Scene, pixels};
 
@@ -8,6 +9,12 @@ use vtex_scene::scene::{Scene, pixels};
 pub(super) const MOVED: f64 = 1e-3;
 /// Largest canvas on which covered pixels are counted.
 const MOST_COUNTED: u64 = 100_000_000;
+
+/// Whether a map neither turns nor resizes.
+pub(super) fn is_moved(map: Affine) -> bool {
+    let [a, b, c, d, ..] = map.as_coeffs();
+    [a - 1.0, b, c, d - 1.0].iter().all(|v| v.abs() < MOVED)
+}
 
 /// Share of the canvas that each category visibly covers; that of the exemplar where the canvas is too large to count.
 ///
@@ -25,10 +32,9 @@ pub(super) fn covered(library: &Library, scene: &Scene, go_on: impl Fn() -> Resu
         go_on()?;
         let element = &scene.elements[instance.element.index()];
         let map = instance.affine();
-        let [a, b, c, d, x, y] = map.as_coeffs();
-        let plain = [a - 1.0, b, c, d - 1.0].iter().all(|v| v.abs() < MOVED);
-        let mask = if plain {
-            masks[instance.element.index()].shifted(libm::round(x) as i32, libm::round(y) as i32)
+        let mask = if is_moved(map) {
+            let by = map.translation();
+            masks[instance.element.index()].shifted(libm::round(by.x) as i32, libm::round(by.y) as i32)
         } else {
             let shapes: Vec<_> = element.shapes.iter().map(|s| s.moved(map)).collect();
             pixels::of_shapes(&shapes)

@@ -5,8 +5,9 @@
 
 use super::compose::{Placement, What, compose_drawing};
 use super::report::{CategoryReport, CurveReport, SynthReport};
+use super::single_drawing::{refusal, single_drawing};
 use crate::arrange::controls::Controls;
-use vtex_base::error::{Error, Result};
+use vtex_base::error::Result;
 use vtex_base::geometry::plane::PeriodicPlane;
 use vtex_base::geometry::{Affine, Curve, PathEl, Point};
 use vtex_base::progress::{Progress, advance};
@@ -15,7 +16,7 @@ use vtex_curves::{
     CurveExemplar, CurveParams, CurveParts, CurveResult, CurveStroke, Ink, TracedCurve, centre_lines, curves,
 };
 use vtex_scene::element::{Cap, CategoryId, ElementId, Join, Line, Shape};
-use vtex_scene::library::{Library, SourceKind};
+use vtex_scene::library::Library;
 use vtex_scene::scene::{Ablation, Element, LibraryId, Scene, SynthParams, pixels};
 
 /// Least ratio of length to width of a filled outline that is a line.
@@ -28,7 +29,8 @@ const MOST_CELLS: f64 = 6e6;
 /// Weld and tolerance of curves, in widths of the thinnest line.
 const WELD: f64 = 0.25;
 const TOLERANCE: f64 = 0.04;
-/// What the method is for.
+/// The method, and what it is for.
+const METHOD: &str = "curves";
 const LINES: &str = "for a drawing of lines: strokes, or filled shapes that are long and thin";
 /// Largest deviation of a stroked path from its points, in widths.
 const FLAT: f64 = 0.02;
@@ -38,30 +40,15 @@ const FLAT: f64 = 0.02;
 /// # Errors
 /// [`Error::Parameter`] that says what prevents it.
 pub(super) fn check(libraries: &[Library], params: &SynthParams, controls: &Controls) -> Result<()> {
-    let refused = |allowed| Err(refusal(allowed));
-    let [library] = libraries else { return refused("for a single library") };
-    if library.source.kind != SourceKind::Drawing || library.is_layered() {
-        return refused("for a drawing");
-    }
-    let varied = params.rotate > 0.0 || params.mirror || params.scale_jitter > 0.0;
-    if varied || controls.density.is_some() || controls.structure.is_some() {
-        return refused(
-            "without turned, mirrored or resized elements, and without a map of densities or a guide",
-        );
-    }
+    let library = single_drawing(libraries, params, controls).map_err(|allowed| refusal(METHOD, allowed))?;
     let (mut lines, mut others) = (0.0, 0.0);
     for shape in library.primaries().iter().flat_map(|e| &e.shapes) {
         *(if is_line(shape) { &mut lines } else { &mut others }) += shape.area();
     }
     if lines == 0.0 || others > STRAY * (lines + others) {
-        return refused(LINES);
+        return Err(refusal(METHOD, LINES));
     }
     Ok(())
-}
-
-/// What is said of a library that cannot be made anew.
-fn refusal(allowed: &'static str) -> Error {
-    Error::Parameter { name: "method", value: "curves".into(), allowed: allowed.into() }
 }
 
 /// Whether a shape is a stroke or looks like one.
@@ -97,8 +84,10 @@ pub(super) fn synthesize(
     go_on()?;
     let periodic = library.arrangement.periodic;
     let mut drawing = LineDrawing::new(library, periodic, &go_on)?;
-    if periodic && !drawing.exemplar.is_seamless(&go_on)? {
+    let mut graph = drawing.exemplar.graph(&go_on)?;
+    if periodic && !drawing.exemplar.is_seamless(&graph) {
         drawing = LineDrawing::new(library, false, &go_on)?;
+        graph = drawing.exemplar.graph(&go_on)?;
     }
     let asked = CurveParams {
         size: [params.width, params.height].map(f64::from),
@@ -113,9 +102,9 @@ pub(super) fn synthesize(
             no_mend: params.without(Ablation::Mend),
         },
     };
-    let mut found = curves(&drawing.exemplar, &asked, &go_on)?;
+    let mut found = curves(&graph, &asked, &go_on)?;
     if found.curves.is_empty() {
-        return Err(refusal(LINES));
+        return Err(refusal(METHOD, LINES));
     }
     advance(progress, "curves", 1, 2)?;
     found.curves.sort_by_key(|c| (drawing.styles[c.style as usize].layer, c.style));
@@ -272,12 +261,7 @@ impl LineDrawing {
         };
         let canvas = f64::from(params.width) * f64::from(params.height);
         let made = areas(&mut found.curves.iter().map(|c| (c.style, c.shown_length)));
-        library
-            .categories
-            .iter()
-            .zip(made)
-            .map(|(c, made)| CategoryReport { wanted: c.coverage, got: (made / canvas).min(1.0) })
-            .collect()
+        CategoryReport::of(library, made.into_iter().map(|made| (made / canvas).min(1.0)))
     }
 }
 

@@ -19,6 +19,8 @@ mod neighbourhoods;
 mod period;
 pub(crate) mod report;
 pub(crate) mod secondaries;
+#[cfg(any(feature = "clustered", feature = "curves"))]
+mod single_drawing;
 mod strata;
 mod taken_apart;
 #[cfg(test)]

@@ -37,8 +37,7 @@ pub(super) fn synthesize(
     let repeated = place(library, params, progress)?;
     let params = SynthParams { variation: Some(repeated.variation), ..params.clone() };
     let scene = compose_drawing(library, &params, controls, placements(library, &params, &repeated));
-    let covered = library.categories.iter().zip(&repeated.covered);
-    let categories = covered.map(|(c, &got)| CategoryReport { wanted: c.coverage, got }).collect();
+    let categories = CategoryReport::of(library, repeated.covered.iter().copied());
     let report = SynthReport {
         coverage_wanted: library.coverage,
         period: repeated.repeating,

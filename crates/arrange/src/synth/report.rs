@@ -110,6 +110,14 @@ pub struct CategoryReport {
     pub got: f64,
 }
 
+impl CategoryReport {
+    /// The coverage of each category of a library, of which the exemplar's share is wanted.
+    pub(super) fn of(library: &Library, got: impl IntoIterator<Item = f64>) -> Vec<Self> {
+        let wanted = library.categories.iter().map(|c| c.coverage);
+        wanted.zip(got).map(|(wanted, got)| Self { wanted, got }).collect()
+    }
+}
+
 impl SynthReport {
     /// The report of any scene, given the coverage of its categories, without figures of placement.
     pub(super) fn of_scene(libraries: &[Library], scene: &Scene, categories: Vec<CategoryReport>) -> Self {

@@ -17,7 +17,7 @@ use vtex_scene::scene::{InstanceId, LibraryId, Scene};
 pub(super) fn taken_apart(
     units: &MotifUnits,
     library: &Library,
-    (scene, report): (Scene, SynthReport),
+    (mut scene, report): (Scene, SynthReport),
     progress: &dyn Progress,
 ) -> Result<(Scene, SynthReport)> {
     let origin = |library: &Library, k: usize| {
@@ -25,11 +25,13 @@ pub(super) fn taken_apart(
         Affine::translate((x, y))
     };
     let mut placements = Vec::new();
-    let mut empty = scene.clone();
-    empty.elements.clear();
-    for (l, layer) in empty.layers.iter_mut().enumerate() {
+    let units_of: Vec<usize> = std::mem::take(&mut scene.elements)
+        .iter()
+        .map(|element| element.source.map_or(0, ElementId::index))
+        .collect();
+    for (l, layer) in scene.layers.iter_mut().enumerate() {
         for instance in std::mem::take(&mut layer.instances) {
-            let unit = scene.elements[instance.element.index()].source.map_or(0, ElementId::index);
+            let unit = units_of[instance.element.index()];
             let whole = instance.affine() * origin(&units.library, unit).inverse();
             placements.extend(units.parts[unit].iter().map(|part| Placement {
                 what: What::Known(LibraryId(0), ElementId::after(part.element), instance.colour),
@@ -39,10 +41,9 @@ pub(super) fn taken_apart(
         }
     }
     let libraries = std::slice::from_ref(library);
-    let scene = compose(empty, InstanceId(0), libraries, placements);
+    let scene = compose(scene, InstanceId(0), libraries, placements);
     let covered = covered(library, &scene, || advance(progress, "background field", 2, 2))?;
-    let wanted = library.categories.iter().map(|c| c.coverage);
-    let categories = wanted.zip(covered).map(|(wanted, got)| CategoryReport { wanted, got }).collect();
+    let categories = CategoryReport::of(library, covered);
     let own = SynthReport::of_scene(libraries, &scene, categories);
     // What was tried and corrected was whole motifs.
     let SynthReport { attempts, refused, removed, added, .. } = report;

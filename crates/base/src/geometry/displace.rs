@@ -3,6 +3,7 @@
 //! The unknowns are displacements, so a plane that repeats needs no care. The normal equations are solved by conjugate
 //! gradients with the diagonal as preconditioner.
 
+use super::plane::PeriodicPlane;
 use crate::error::Result;
 
 /// Most steps of the solver, and the residual that ends it, as a share of the first.
@@ -45,6 +46,22 @@ impl WantedWays {
         }
     }
 
+    /// Moves the points of a plane by [`Self::displacements`].
+    ///
+    /// # Errors
+    /// Those of `go_on`.
+    pub fn move_points(
+        self,
+        points: &mut [[f64; 2]],
+        plane: PeriodicPlane,
+        go_on: &dyn Fn() -> Result<()>,
+    ) -> Result<()> {
+        for (p, by) in points.iter_mut().zip(self.displacements(go_on)?) {
+            *p = plane.wrapped([p[0] + by[0], p[1] + by[1]]);
+        }
+        Ok(())
+    }
+
     fn others(&self, point: usize) -> &[u32] {
         let end = self.starts.get(point + 1).copied().unwrap_or(self.others.len());
         &self.others[self.starts[point]..end]
@@ -54,7 +71,7 @@ impl WantedWays {
     ///
     /// # Errors
     /// Those of `go_on`, which is asked before each step.
-    pub fn displacements(self, go_on: &dyn Fn() -> Result<()>) -> Result<Vec<[f64; 2]>> {
+    fn displacements(self, go_on: &dyn Fn() -> Result<()>) -> Result<Vec<[f64; 2]>> {
         let count = self.degree.len();
         let diagonal: Vec<f64> = self.degree.iter().map(|d| d * (1.0 + STAY) + STAY).collect();
         let product = |of: &[[f64; 2]], to: &mut Vec<[f64; 2]>| {

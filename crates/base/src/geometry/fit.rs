@@ -48,14 +48,13 @@ pub(super) fn fit_open(
 
 /// A smooth curve through `points` (at least two) within `tolerance`, in the units of the points. It passes through the
 /// first and the last point; if they are the same, it is closed, and smooth there too where `smooth_seam` says so.
-/// `ends` are the tangents there, both pointing along the curve; `None` estimates them.
-pub fn fitted_curve(points: &[Point], ends: [Option<Vec2>; 2], tolerance: f64, smooth_seam: bool) -> BezPath {
+pub fn fitted_curve(points: &[Point], tolerance: f64, smooth_seam: bool) -> BezPath {
     let (Some(first), Some(last)) = (points.first(), points.last()) else { return BezPath::new() };
     let closed = points.len() > 3 && first == last;
     let (start, segments) = if closed && smooth_seam {
         fit_closed(&points[..points.len() - 1], None, tolerance)
     } else {
-        (*first, fit_open(points, None, ends.map(|t| t.and_then(unit)), tolerance))
+        (*first, fit_open(points, None, [None; 2], tolerance))
     };
     let mut path = BezPath::new();
     path.move_to(start);

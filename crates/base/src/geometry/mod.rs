@@ -4,6 +4,7 @@
 mod arc_samples;
 pub mod assign;
 mod cage;
+pub mod coherence;
 mod curve;
 pub mod dense;
 pub mod displace;
