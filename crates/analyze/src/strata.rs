@@ -15,7 +15,7 @@ use vtex_field::layers::{Count, FindParams, LayerMap, LayerSearch};
 use vtex_scene::element::ElementId;
 use vtex_scene::library::{AnalyzeParams, ExemplarElement, ExemplarInstance, ExemplarLayer, Role};
 use vtex_scene::scene::field::Interpolant;
-use vtex_scene::scene::{Field, Tile};
+use vtex_scene::scene::{Field, Tile, pixels};
 
 /// The layers of a photograph.
 pub(super) struct PhotographStrata {
@@ -114,8 +114,12 @@ impl PhotographStrata {
         let mut of = map.layers_of(primaries, count);
         of.extend(parallel::map(&elements[count..], |e| {
             let at_centre = label(&map.labels, e.centroid) as u8;
-            let outline = &e.shapes[0].outline;
-            if e.shapes[0].is_soft() { at_centre } else { map.layer_within(outline).unwrap_or(at_centre) }
+            let base = &e.shapes[0];
+            if base.is_soft() {
+                at_centre
+            } else {
+                map.layer_of(&pixels::mask(&base.outline)).unwrap_or(at_centre)
+            }
         }));
         of
     }

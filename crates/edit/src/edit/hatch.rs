@@ -5,7 +5,6 @@
 //! lightest parts of the selected elements. What is too small for lines, soft ellipses too, becomes dots of ink if it is
 //! dark, and is left out if it is light.
 
-use super::colours::mean;
 use super::selection::Chosen;
 use super::textons::{change, selected, selected_mut, size};
 use super::thin::retain;
@@ -185,11 +184,7 @@ impl TurnedElement {
         Self {
             back: rotation(angle),
             inside: Interior::new(&outline),
-            lightness: tones.lightness(if element.details().is_empty() {
-                mean(element)
-            } else {
-                element.base().colour
-            }),
+            lightness: tones.lightness(element.base().colour),
             details: details.collect(),
             outline,
         }

@@ -8,7 +8,6 @@ use vtex_base::error::Result;
 
 /// The levels of pages from the finest to the coarsest, and the similar cells of each.
 pub(super) struct PreparedPages {
-    pages: Vec<ExemplarPage>,
     pub(super) atlases: Vec<Atlas>,
     pub(super) similar: Vec<Similar>,
 }
@@ -27,14 +26,17 @@ impl PreparedPages {
         }
         watch.check()?;
         similar.reverse();
-        Ok(Self { pages: Vec::new(), atlases, similar })
+        Ok(Self { atlases, similar })
     }
 }
 
 /// Remembers the preparation of the last pages, which takes most of the time of a small canvas. Results are the same
 /// with and without it: pages are compared in full.
 #[derive(Default)]
-pub struct PagesMemory(Mutex<Option<Arc<PreparedPages>>>);
+pub struct PagesMemory(Mutex<Option<KnownPages>>);
+
+/// Pages, and what was prepared of them.
+type KnownPages = (Vec<ExemplarPage>, Arc<PreparedPages>);
 
 impl PagesMemory {
     /// The prepared pages, from the memory if there is one and it has them.
@@ -48,11 +50,11 @@ impl PagesMemory {
     ) -> Result<Arc<PreparedPages>> {
         let Some(Self(memory)) = memory else { return PreparedPages::new(pages, watch).map(Arc::new) };
         let last = || memory.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(known) = last().as_ref().filter(|known| known.pages == pages) {
+        if let Some((_, known)) = last().as_ref().filter(|(of, _)| of == pages) {
             return Ok(Arc::clone(known));
         }
-        let prepared = Arc::new(PreparedPages { pages: pages.to_vec(), ..PreparedPages::new(pages, watch)? });
-        *last() = Some(Arc::clone(&prepared));
+        let prepared = Arc::new(PreparedPages::new(pages, watch)?);
+        *last() = Some((pages.to_vec(), Arc::clone(&prepared)));
         Ok(prepared)
     }
 }

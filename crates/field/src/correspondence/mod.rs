@@ -161,7 +161,7 @@ pub fn find_again(
     progress: &dyn Progress,
 ) -> Result<CorrespondenceField> {
     let prepared = PagesMemory::prepared(memory, request.pages, &RowProgress::new(progress, 1))?;
-    let PreparedPages { atlases, similar, .. } = &*prepared;
+    let PreparedPages { atlases, similar } = &*prepared;
     let coarsest = atlases.len() - 1;
     let sizes = canvas::sizes(request.size, atlases.len());
     // Each pass over a level counts. Those over the finest are most of the work.

@@ -116,18 +116,20 @@ mod tests {
         CorrespondenceField { size: [4, 3], wrap: [wrap, false], sources: (0..12).map(source).collect() }
     }
 
+    /// The field over a canvas, in cells of 5 pixels.
+    fn over<'a>(
+        field: &'a CorrespondenceField,
+        canvas: [usize; 2],
+        pixel: &'a (dyn Fn(usize, [i64; 2]) -> Option<usize> + Sync),
+    ) -> Carrier<'a> {
+        Carrier { field, cell: 5, pitch: [5.0; 2], margin: [0; 2], canvas, pixel }
+    }
+
     #[test]
     fn a_field_that_moves_the_exemplar_copies_its_pixels() {
         let field = moved(false);
         let pixel = pixel_of([20, 15]);
-        let carrier = Carrier {
-            field: &field,
-            cell: 5,
-            pitch: [5.0; 2],
-            margin: [0; 2],
-            canvas: [20, 15],
-            pixel: &pixel,
-        };
+        let carrier = over(&field, [20, 15], &pixel);
         let plane: Vec<f32> = (0..300).map(|i| (i % 20) as f32).collect();
         let copied = carrier.voted(&[plane], [20, 15], 0, 1.0).swap_remove(0);
         // Away from the cell where the exemplar ends.
@@ -140,14 +142,7 @@ mod tests {
         let field = moved(true);
         let pixel = pixel_of([20, 15]);
         // The last column of cells reaches beyond the canvas by two pixels.
-        let carrier = Carrier {
-            field: &field,
-            cell: 5,
-            pitch: [5.0; 2],
-            margin: [0; 2],
-            canvas: [18, 15],
-            pixel: &pixel,
-        };
+        let carrier = over(&field, [18, 15], &pixel);
         let near = carrier.nearby(0, 0.5 / 18.0, 1, 1.0);
         let found: Vec<(usize, f64)> = near.iter().map(|n| (n.cell, n.away * 5.0)).collect();
         assert_eq!(found, [(3, 3.5), (0, 0.5), (1, -4.5)]);

@@ -1,8 +1,7 @@
 //! Layer maps whose borders go around elements.
 
 use super::map::LayerMap;
-use vtex_base::geometry::{Interior, Outline};
-use vtex_base::raster::LabelMap;
+use vtex_base::raster::{LabelMap, Mask};
 
 /// Least share of a layer that elements leave free. In photographs of layers it was .4 or more, in one of flowers .24.
 const LEAST_FREE: f64 = 1.0 / 3.0;
@@ -30,16 +29,12 @@ impl LayerMap {
         areas.chunks(layers).map(most).collect()
     }
 
-    /// The layer that holds most pixels within an outline; of equals the highest. `None` if there is no pixel within.
-    pub fn layer_within(&self, outline: &Outline) -> Option<u8> {
-        let [w, h] = self.size();
-        let (bounds, interior) = (outline.bounds(), Interior::new(outline));
+    /// The layer that holds most pixels of a mask; of equals the highest. `None` if no pixel lies on the map.
+    pub fn layer_of(&self, mask: &Mask) -> Option<u8> {
         let mut areas = vec![0usize; self.layers.len()];
-        for y in bounds.y0.max(0.0) as usize..(libm::ceil(bounds.y1.max(0.0)) as usize).min(h) {
-            for [a, b] in interior.intervals(y as f64 + 0.5) {
-                let [x0, x1] = [a, b].map(|x| libm::ceil(x - 0.5).clamp(0.0, w as f64) as usize);
-                let row = &self.labels.labels[y * w..][x0..x1.max(x0)];
-                row.iter().for_each(|&layer| areas[layer as usize] += 1);
+        for (x, y) in mask.pixels() {
+            if let Some(layer) = self.labels.at(x.into(), y.into()) {
+                areas[layer as usize] += 1;
             }
         }
         let most = (0..areas.len()).max_by_key(|&k| areas[k]).filter(|&k| areas[k] > 0);
@@ -82,19 +77,21 @@ impl LayerMap {
 mod tests {
     use super::*;
     use crate::layers::MapLayer;
-    use vtex_base::geometry::parse_path;
+    use vtex_base::raster::Span;
     use vtex_base::raster::colour::Colour;
 
     #[test]
-    fn an_outline_lies_in_the_layer_of_most_of_its_pixels() {
+    fn a_mask_lies_in_the_layer_of_most_of_its_pixels() {
         let layer = |name: &str| MapLayer { name: name.into(), colour: Colour([name.len() as u8; 3]) };
         let labels =
             LabelMap { labels: (0..100).map(|i| i % 10 / 5).collect(), ..LabelMap::filled(10, 10, 0) };
         let map = LayerMap { labels, layers: ["low", "higher"].map(layer).to_vec() };
-        let within = |text: &str| map.layer_within(&Outline::new(&parse_path(text).unwrap()).unwrap());
-        let found =
-            ["M1 1h6v3h-6z", "M3 1h6v3h-6z", "M2 2h6v3h-6z", "M8.6 1h.3v9h-.3z", "M-9 1h4v4h-4z"].map(within);
-        assert_eq!(found, [Some(0), Some(1), Some(1), None, None]);
+        let of = |[x0, x1, y0, y1]: [i32; 4]| {
+            map.layer_of(&Mask::from_spans((y0..y1).map(|y| Span { y, x0, x1 }).collect()))
+        };
+        let found = [[1, 7, 1, 4], [3, 9, 1, 4], [2, 8, 2, 5], [-2, 3, 8, 13], [-9, -5, 1, 5]].map(of);
+        assert_eq!(found, [Some(0), Some(1), Some(1), Some(0), None]);
+        assert_eq!(map.layer_of(&Mask::default()), None);
     }
 
     #[test]

@@ -142,6 +142,10 @@ pub(super) fn table() -> Table {
     }
 }
 
+/// Methods behind a feature of their name, and whether the program was built with it: else it cannot be chosen.
+const METHODS: [(&str, bool); 2] =
+    [("clustered", cfg!(feature = "clustered")), ("curves", cfg!(feature = "curves"))];
+
 /// What the help says about an option: its words and, in brackets at the end, what it takes.
 fn knob(arg: &Arg) -> Knob {
     let help = arg.get_help().map(ToString::to_string).unwrap_or_default();
@@ -152,9 +156,8 @@ fn knob(arg: &Arg) -> Knob {
     let default = takes.rsplit_once("default: ").map(|(_, default)| default.to_owned());
     let choices = arg.get_possible_values();
     let choices = choices.iter().map(|v| v.get_name().to_owned());
-    // What this program was built without cannot be chosen.
-    let choices: Vec<String> =
-        choices.filter(|name| cfg!(feature = "clustered") || name != "clustered").collect();
+    let is_left_out = |name: &String| METHODS.iter().any(|(method, is_built)| name == method && !is_built);
+    let choices: Vec<String> = choices.filter(|name| !is_left_out(name)).collect();
     let value = arg.get_value_names().into_iter().flatten().map(ToString::to_string).collect::<String>();
     let is_switch = choices == ["true", "false"];
     let control = match range_of(&takes) {

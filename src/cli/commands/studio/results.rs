@@ -2,8 +2,10 @@
 
 use super::settings::StudioSettings;
 use serde::Serialize;
+use serde_json::{Value, json};
 use std::sync::Arc;
 use vtex::library::Library;
+use vtex::output::{SceneCategory, categories};
 use vtex::scene::Scene;
 
 /// What makes a result: checksums of files, and command lines.
@@ -40,11 +42,24 @@ pub(super) struct Shown {
     /// Counts up with every texture.
     pub(super) number: u64,
     pub(super) scene: Arc<Scene>,
-    /// The scene before operations.
-    pub(super) plain: Arc<Scene>,
+    /// The categories of the scene before operations, with their colours now.
+    pub(super) categories: Arc<Vec<Value>>,
     /// Width and height of the whole canvas, of which a draft has less.
     pub(super) whole: [u32; 2],
     pub(super) draft: bool,
+}
+
+/// The categories of the scene before operations, and their colours now.
+pub(super) fn categories_of(plain: &Scene, scene: &Scene) -> Arc<Vec<Value>> {
+    let now = categories(scene);
+    let with_colour = |category: SceneCategory| {
+        let own = now.iter().find(|now| (now.library, now.category) == (category.library, category.category));
+        let colour = own.map_or(category.colour, |own| own.colour);
+        let mut value = json!(category);
+        value["now"] = json!(colour);
+        value
+    };
+    Arc::new(categories(plain).into_iter().map(with_colour).collect())
 }
 
 /// Results of one thing that is worked on.

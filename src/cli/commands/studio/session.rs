@@ -5,6 +5,7 @@ use super::opened::Opened;
 use super::results::{Thumbnail, WorkResults};
 use super::settings::{SideFile, StudioSettings};
 use crate::cli::failure::explain;
+use crate::cli::format::numbered;
 use crate::cli::interrupt;
 use crate::cli::values::Seed;
 use std::collections::BTreeMap;
@@ -185,12 +186,10 @@ impl WorkSession {
 
     /// Where a file that is drawn in the page is written: a name that nothing else has.
     pub(super) fn drawn_path(&mut self, ending: &'static str) -> PathBuf {
-        let opened = &self.opened;
+        let first = self.opened.beside(&format!(".{ending}"));
         let free = || {
-            let (word, format) = ending.split_once('.').unwrap_or((ending, ""));
-            let numbered = (2..=100).map(|number| opened.beside(&format!(".{word}-{number}.{format}")));
-            let mut all = std::iter::once(opened.beside(&format!(".{ending}"))).chain(numbered);
-            all.find(|path| !path.exists()).unwrap_or_else(|| opened.beside(&format!(".{ending}")))
+            let mut all = std::iter::once(first.clone()).chain((2..=100).map(|n| numbered(&first, n)));
+            all.find(|path| !path.exists()).unwrap_or(first)
         };
         self.drawn_paths.entry(ending).or_insert_with(free).clone()
     }
@@ -348,14 +347,7 @@ mod tests {
     use std::collections::BTreeMap;
 
     fn session() -> WorkSession {
-        let mut png = std::io::Cursor::new(Vec::new());
-        let picture = image::RgbImage::from_fn(40, 40, |x, y| image::Rgb([x as u8, y as u8, 9]));
-        picture.write_to(&mut png, image::ImageFormat::Png).unwrap();
-        WorkSession::new(
-            Opened::new("a.png".into(), png.into_inner()).unwrap(),
-            StudioSettings::new(None),
-            false,
-        )
+        WorkSession::new(Opened::picture("a.png".into()), StudioSettings::new(None), false)
     }
 
     fn with_size(size: &str) -> StudioSettings {

@@ -215,12 +215,13 @@ pub(super) fn drawing(
 /// # Errors
 /// The first that is wrong.
 pub(super) fn check(opened: &Opened, settings: &StudioSettings) -> anyhow::Result<()> {
-    let Commands { analyze, synth, last } = shown(opened, settings);
-    if let Some(words) = &analyze {
+    let commands = shown(opened, settings);
+    let Commands { analyze, synth, last } = &commands;
+    if let Some(words) = analyze {
         let ReadCommand { arguments, resolved, .. } = read::<AnalyzeArgs>(words)?;
         arguments.analysis(&resolved.parameters)?;
     }
-    if let Some(words) = &synth {
+    if let Some(words) = synth {
         let ReadCommand { arguments, resolved, .. } = read::<SynthArgs>(words)?;
         arguments.synthesis(resolved.parameters)?;
     }
@@ -228,7 +229,7 @@ pub(super) fn check(opened: &Opened, settings: &StudioSettings) -> anyhow::Resul
         let ReadCommand { arguments, resolved, .. } = read::<EditArgs>(words)?;
         Editing::new(arguments, resolved.parameters, &|input| palette_of(settings, input))?;
     } else {
-        drawing(opened, &shown(opened, settings), None).map(drop)?;
+        drawing(opened, &commands, None).map(drop)?;
     }
     Ok(())
 }

@@ -1,7 +1,7 @@
 //! The state of the session, as the page reads it.
 
 use super::opened::Opened;
-use super::results::Shown;
+
 use super::session::{Session, Work, WorkSession};
 use super::settings::SideFile;
 use crate::cli::failure::Failure;
@@ -9,7 +9,6 @@ use crate::cli::input::InputKind;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use vtex::output::{SceneCategory, categories};
 
 /// What the page shows and can set.
 pub(super) fn state(session: &Arc<Session>) -> Value {
@@ -89,24 +88,11 @@ fn state_of(one: &WorkSession) -> Value {
             "draft": shown.draft,
             "tiles": [shown.scene.tile.x, shown.scene.tile.y],
             "elements": shown.scene.count(),
-            "categories": categories_of(shown),
+            "categories": *shown.categories,
             "layers": shown.scene.layers.iter().map(|layer| &layer.name).collect::<Vec<_>>(),
         })),
         "variants": json!({ "show": one.wants_variants, "made": one.thumbnails, "fault": one.variants_fault }),
     })
-}
-
-/// The categories of the scene before operations, and their colours now.
-fn categories_of(shown: &Shown) -> Vec<Value> {
-    let now = categories(&shown.scene);
-    let with_colour = |category: SceneCategory| {
-        let own = now.iter().find(|now| (now.library, now.category) == (category.library, category.category));
-        let colour = own.map_or(category.colour, |own| own.colour);
-        let mut value = json!(category);
-        value["now"] = json!(colour);
-        value
-    };
-    categories(&shown.plain).into_iter().map(with_colour).collect()
 }
 
 /// What is worked on.

@@ -4,7 +4,7 @@ use super::command_lines::Commands;
 use super::follower::Follower;
 use super::knobs::{Stage, stage_of};
 use super::opened::Opened;
-use super::results::{Key, Shown, Thumbnail};
+use super::results::{Key, Shown, Thumbnail, categories_of};
 use super::session::{Fault, Session, VARIANTS, next_version};
 use super::settings::StudioSettings;
 use super::stages::{self, Listener};
@@ -122,7 +122,7 @@ fn library(
         (None, Some(words)) => {
             let listener = Arc::new(Follower::of_analysis(session, version, key.clone()));
             let library = Arc::new(stages::analyze(opened, settings, words, memory, listener)?);
-            // WorkResults even if something else has changed meanwhile, for which it is used.
+            // Kept even if something else has changed meanwhile, for which it is used.
             let mut work = session.state();
             if let Some(one) = work.sessions.iter_mut().find(|one| Arc::ptr_eq(&one.opened, opened)) {
                 one.results.libraries.put(key.clone(), Arc::clone(&library), LIBRARIES);
@@ -203,11 +203,12 @@ fn show(
         Some(words) if words[0] == "edit" => Arc::new(stages::edit(&plain, settings, words)?),
         _ => Arc::clone(&plain),
     };
+    let categories = categories_of(&plain, &scene);
     session.publish(version, |work, at| {
-        let kept = &mut work.sessions[at].results;
-        let number = kept.shown.as_ref().map_or(0, |shown| shown.number) + 1;
+        let results = &mut work.sessions[at].results;
+        let number = results.shown.as_ref().map_or(0, |shown| shown.number) + 1;
         let whole = draft_of.unwrap_or([scene.width, scene.height]);
-        kept.shown = Some(Shown { number, scene, plain, whole, draft: draft_of.is_some() });
+        results.shown = Some(Shown { number, scene, categories, whole, draft: draft_of.is_some() });
         if draft_of.is_none() {
             work.done = version;
         }
