@@ -33,7 +33,7 @@ const MOST_OPTIMISED: f64 = 8_000.0;
 const MOST_SAMPLES: f64 = 1_000_000.0;
 /// Most samples of the exemplar.
 const MOST_INPUT: f64 = 60_000.0;
-/// Least length of curves by area, relative to the exemplar's.
+/// Least length of curves by area, relative to the exemplar's; the most is as far beyond it.
 const LEAST_LENGTH: f64 = 0.6;
 /// Largest change of the exemplar's period for one that fits a tile.
 const STRETCH: f64 = 0.1;
@@ -134,12 +134,13 @@ pub fn curves(
     let used: Vec<CurveScale> =
         LEVELS.iter().filter(|l| expected(**l) <= MOST_OPTIMISED).map(|l| scale(*l)).collect();
     let shown = ShownPart { size: params.size, tile: params.tile, margin: 0.4 * coarsest.radius };
-    let least = LEAST_LENGTH * total / page.area() * plane.area();
+    let wanted = total / page.area() * plane.area();
     // Where the optimisation loses the curves, patches alone are taken.
     let attempts = if used.is_empty() { vec![used] } else { vec![used, Vec::new()] };
     for levels in attempts {
         let (graph, mut result) = attempt(&input, (&levels, coarsest), plane, params, go_on)?;
-        if result.measures[1].length >= least || params.without.no_patches {
+        let share = result.measures[1].length / wanted;
+        if (LEAST_LENGTH..=1.0 / LEAST_LENGTH).contains(&share) || params.without.no_patches {
             result.curves = traced(&graph, shown, params.tolerance);
             return Ok(result);
         }
@@ -148,7 +149,7 @@ pub fn curves(
         name: "method",
         value: "curves".into(),
         allowed:
-            "for a drawing whose lines go on where parts of it are put together; most of this one's end there"
+            "for a drawing whose lines go on where parts of it are put together; those of this one end there, or double"
                 .into(),
     })
 }

@@ -8,9 +8,11 @@ use vtex_base::geometry::plane::{PeriodicPlane, length};
 /// Longest spur, and longest piece between two junctions that are one, in widths of the area.
 const SPUR: f64 = 1.0;
 const ONE_JUNCTION: f64 = 0.9;
-/// Passes of smoothing, and the reach of each in widths.
-const PASSES: usize = 3;
-const SMOOTHED: f64 = 0.25;
+/// Passes of smoothing, the reach of each in widths, and how far a point may move from the middle of its cell. Where a
+/// line is nearly level its cells go on for many widths on one row: only long reaches see its slope.
+const PASSES: usize = 12;
+const SMOOTHED: f64 = 1.0;
+const MOVED: f64 = 0.7;
 
 /// Painted cells of a page.
 #[derive(Clone, Debug, PartialEq)]
@@ -237,12 +239,13 @@ fn joined(paths: Vec<CellPath>, thin: &Ink, width: f64) -> Vec<CellPath> {
     kept
 }
 
-/// A line with the steps of the grid smoothed; its ends stay.
-fn smoothed(mut points: Vec<[f64; 2]>, closed: bool, reach: usize) -> Vec<[f64; 2]> {
-    let n = points.len();
+/// A line with the steps of the grid smoothed; its ends stay, and no point leaves its cell by far.
+fn smoothed(cells: Vec<[f64; 2]>, closed: bool, reach: usize) -> Vec<[f64; 2]> {
+    let n = cells.len();
     if n < 3 {
-        return points;
+        return cells;
     }
+    let mut points = cells.clone();
     // A closed line ends a whole number of periods from its beginning.
     let round = [points[n - 1][0] - points[0][0], points[n - 1][1] - points[0][1]];
     for _ in 0..PASSES {
@@ -259,7 +262,10 @@ fn smoothed(mut points: Vec<[f64; 2]>, closed: bool, reach: usize) -> Vec<[f64; 
                 let p = if closed { at(k as i64 + d) } else { points[(k as i64 + d) as usize] };
                 sum = [sum[0] + p[0], sum[1] + p[1]];
             }
-            sum.map(|v| v / (2 * reach + 1) as f64)
+            let mean = sum.map(|v| v / (2 * reach + 1) as f64);
+            let by = [mean[0] - cells[k][0], mean[1] - cells[k][1]];
+            let share = (MOVED / length(by).max(1e-9)).min(1.0);
+            [cells[k][0] + share * by[0], cells[k][1] + share * by[1]]
         };
         points = (0..n).map(mean).collect();
     }

@@ -24,7 +24,7 @@ const THIN: f64 = 5.0;
 /// Largest share of the area of all shapes that may be no lines.
 const STRAY: f64 = 0.02;
 /// Cells across the thinnest painted line, and most cells of a page.
-const CELLS: f64 = 8.0;
+const CELLS: f64 = 20.0;
 const MOST_CELLS: f64 = 6e6;
 /// Weld and tolerance of curves, in widths of the thinnest line.
 const WELD: f64 = 0.25;
