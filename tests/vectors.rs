@@ -10,9 +10,13 @@ use vtex::scene::Scene;
 use vtex::segment::Regions;
 use vtex::synth;
 
+/// A part of an exemplar.
 fn exemplar() -> Exemplar {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/exemplars/terrazzo.png");
-    Exemplar::open(&path, &Limits::default()).unwrap()
+    let part = image::open(&path).unwrap().crop_imm(64, 64, 288, 288);
+    let mut bytes = io::Cursor::new(Vec::new());
+    part.write_to(&mut bytes, image::ImageFormat::Png).unwrap();
+    Exemplar::from_bytes(&bytes.into_inner(), "terrazzo", &Limits::default()).unwrap()
 }
 
 fn analysed(exemplar: &Exemplar, params: &AnalyzeParams) -> (Library, Scene) {

@@ -3,6 +3,7 @@
 use super::colour::{Colour, linear};
 use crate::parallel;
 use image::RgbImage;
+use std::borrow::Cow;
 use std::ops::Range;
 
 /// A plane of values, row by row.
@@ -42,6 +43,22 @@ pub fn gaussian(sigma: f64) -> Vec<f32> {
     (0..=radius).map(|i| (weight(i) / total) as f32).collect()
 }
 
+/// The half of a symmetric kernel that gives the same as `half` where values repeat after `period`, reaching no
+/// further than the period does.
+fn folded(half: &[f32], period: usize) -> Cow<'_, [f32]> {
+    if 2 * (half.len() - 1) < period {
+        return Cow::Borrowed(half);
+    }
+    let mut folded = vec![0.0; period / 2 + 1];
+    for (i, weight) in half.iter().enumerate() {
+        let i = i % period;
+        folded[i.min(period - i)] += weight;
+    }
+    // The two sides meet at the centre.
+    folded[0] += folded[0] - half[0];
+    Cow::Owned(folded)
+}
+
 /// Separable convolution of part of an image, of the colours `at(x, y)`, with half a symmetric kernel. Borders of
 /// the image are mirrored at the pixel edges, or the image repeats along the axes of `wrap`.
 pub fn convolve<const N: usize>(
@@ -54,23 +71,28 @@ pub fn convolve<const N: usize>(
     if columns.is_empty() || rows.is_empty() {
         return Vec::new();
     }
-    let radius = half.len() - 1;
-    // The column or row that is `i` steps after the one `radius` before the first.
-    let source = |first: usize, i: usize, n: usize, wrap: bool| -> usize {
-        let period = if wrap { n } else { 2 * n } as isize;
-        let i = (first as isize + i as isize - radius as isize).rem_euclid(period);
-        (if i < n as isize { i } else { period - 1 - i }) as usize
+    // After how many columns and rows the image, mirrored or not, begins again.
+    let sides = [width, height];
+    let period: [usize; 2] =
+        std::array::from_fn(|axis| if wrap[axis] { sides[axis] } else { 2 * sides[axis] });
+    let half = period.map(|period| folded(half, period));
+    let radius = half.each_ref().map(|half| half.len() - 1);
+    // The column or row that is `i` steps after the one a radius before the first.
+    let source = |axis: usize, i: usize| -> usize {
+        let (first, n) = ([columns, rows][axis].start, sides[axis]);
+        let i =
+            (first as isize + i as isize - radius[axis] as isize).rem_euclid(period[axis] as isize) as usize;
+        if i < n { i } else { period[axis] - 1 - i }
     };
     let wide = columns.len();
-    let mut across = vec![[0.0; N]; wide * (rows.len() + 2 * radius)];
+    let mut across = vec![[0.0; N]; wide * (rows.len() + 2 * radius[1])];
     parallel::for_chunks(&mut across, wide, |j, row| {
-        let y = source(rows.start, j, height, wrap[1]);
-        let padded: Vec<[f32; N]> =
-            (0..wide + 2 * radius).map(|i| at(source(columns.start, i, width, wrap[0]), y)).collect();
+        let y = source(1, j);
+        let padded: Vec<[f32; N]> = (0..wide + 2 * radius[0]).map(|i| at(source(0, i), y)).collect();
         for (x, value) in row.iter_mut().enumerate() {
-            let centre = x + radius;
-            *value = padded[centre].map(|v| v * half[0]);
-            for (k, w) in half.iter().enumerate().skip(1) {
+            let centre = x + radius[0];
+            *value = padded[centre].map(|v| v * half[0][0]);
+            for (k, w) in half[0].iter().enumerate().skip(1) {
                 let (a, b) = (padded[centre - k], padded[centre + k]);
                 for c in 0..N {
                     value[c] += w * (a[c] + b[c]);
@@ -81,11 +103,11 @@ pub fn convolve<const N: usize>(
     let mut out = vec![[0.0; N]; wide * rows.len()];
     parallel::for_chunks(&mut out, wide, |y, row| {
         let line = |j: usize| &across[j * wide..][..wide];
-        for (value, p) in row.iter_mut().zip(line(y + radius)) {
-            *value = p.map(|v| v * half[0]);
+        for (value, p) in row.iter_mut().zip(line(y + radius[1])) {
+            *value = p.map(|v| v * half[1][0]);
         }
-        for (k, w) in half.iter().enumerate().skip(1) {
-            let (above, below) = (line(y + radius - k), line(y + radius + k));
+        for (k, w) in half[1].iter().enumerate().skip(1) {
+            let (above, below) = (line(y + radius[1] - k), line(y + radius[1] + k));
             for ((value, a), b) in row.iter_mut().zip(above).zip(below) {
                 for c in 0..N {
                     value[c] += w * (a[c] + b[c]);
@@ -135,6 +157,33 @@ mod tests {
             assert!((soft.values.iter().sum::<f32>() - 1.0).abs() < 1e-4);
             assert_eq!(soft.at(15, 9) > 0.01, wrap[0]);
             assert!(soft.at(1, 0) > soft.at(3, 0));
+        }
+    }
+
+    #[test]
+    fn a_blur_wider_than_the_picture_is_that_of_its_repetitions() {
+        let value = |x: usize, y: usize| ((x * 7 + y * 13) % 11) as f32;
+        for (size, wrap) in [([5, 3], [true, true]), ([4, 6], [true, false]), ([1, 2], [false, false])] {
+            let plane = |size: [usize; 2]| {
+                let values = (0..size[0] * size[1]).map(|i| value(i % size[0], i / size[0]));
+                Plane { size, values: values.collect() }
+            };
+            let small = plane(size);
+            // The same picture, repeated so often that the kernel is shorter than it.
+            let sides: [usize; 2] = std::array::from_fn(|axis| size[axis] * 24);
+            let mirrored = |i: usize, axis: usize| match i % (2 * size[axis]) {
+                i if wrap[axis] => i % size[axis],
+                i => i.min(2 * size[axis] - 1 - i),
+            };
+            let at = |i: usize| small.at(mirrored(i % sides[0], 0), mirrored(i / sides[0], 1));
+            let large = Plane { size: sides, values: (0..sides[0] * sides[1]).map(at).collect() };
+            for sigma in [0.4, 1.5, 4.0] {
+                let (soft, expected) = (small.blurred(sigma, wrap), large.blurred(sigma, [true; 2]));
+                for i in 0..size[0] * size[1] {
+                    let (x, y) = (i % size[0], i / size[0]);
+                    assert!((soft.at(x, y) - expected.at(x, y)).abs() < 1e-4, "{size:?} {wrap:?} {sigma}");
+                }
+            }
         }
     }
 }

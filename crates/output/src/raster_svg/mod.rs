@@ -281,9 +281,9 @@ mod tests {
                 (!clip.contains("opacity"), 2 * usize::from(clip.contains("clip")))
             );
             let tree = svg_tree::tree(&document).unwrap();
-            let mut whole = LayeredPicture::new(&tree, 4.0, "crowd").unwrap();
+            let mut whole = LayeredPicture::new(&tree, 2.0, "crowd").unwrap();
             whole.draw(&tree).unwrap();
-            let found = render_svg(text.as_bytes(), 4.0, "crowd", &()).unwrap();
+            let found = render_svg(text.as_bytes(), 2.0, "crowd", &()).unwrap();
             let off = whole.picture.data().iter().zip(found.data()).map(|(a, b)| a.abs_diff(*b)).max();
             assert!(off <= Some(2), "{clip}: {off:?}");
         }
