@@ -65,7 +65,7 @@ pub(super) fn simplify(
     let palette = Palette::new(&[], 0, params.seed);
     let is_soft = params.shading == Shading::Soft && params.colors == 0 && params.max_paths == 0;
     if is_soft {
-        cost = cost.dearer(shading::DEARER);
+        cost = cost.dearer(shading::DEARER).adapted(&partition.exemplar.image);
         let tasks = SideBySide::new(progress, "joining");
         let (shaded, ground) = parallel::join(
             || shading::shaded(partition, details, known, cost, &tasks.silent()),
