@@ -11,6 +11,7 @@ mod golden;
 mod hostile;
 mod odd_drawings;
 mod pages;
+mod papers;
 mod pipeline;
 mod programs;
 mod readme;

@@ -36,5 +36,5 @@ mod votes;
 pub use clustering::{ClusterOperations, ClusteringParts};
 pub use figures::{ClusterExemplar, Figure, FigurePlace};
 pub use mend::MendCounts;
-pub use optimise::{ClusterParams, ClusterResult, ClusteredElement, LevelReport, cluster};
+pub use optimise::{ClusterParams, ClusterResult, ClusterSample, ClusteredElement, LevelReport, cluster};
 pub use vtex_base::geometry::plane::PeriodicPlane;

@@ -76,6 +76,15 @@ pub struct ClusteredElement {
     pub at: [f64; 2],
 }
 
+/// A sample of the result.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ClusterSample {
+    /// Its place, in the unit of the exemplar. It may lie beside the canvas.
+    pub at: [f64; 2],
+    /// Number of its cluster.
+    pub cluster: u32,
+}
+
 /// What a level did.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LevelReport {
@@ -93,6 +102,10 @@ pub struct LevelReport {
     pub clusters: [usize; 2],
     /// Elements mended.
     pub mended: MendCounts,
+    /// Distance of samples, in the unit of the exemplar.
+    pub distance: f64,
+    /// The samples at the end, before clusters became elements.
+    pub output: Vec<ClusterSample>,
 }
 
 /// The result.
@@ -146,6 +159,11 @@ pub fn cluster(
         board = new;
         report.clusters = [of_cluster.len(), of_cluster.iter().filter(|c| **c != NONE).count()];
         report.mended = mend(&mut board, params.seed, go_on)?;
+        report.distance = scale.distance / unit;
+        let samples = output.points.iter().zip(&output.cluster);
+        report.output = samples
+            .map(|(p, &cluster)| ClusterSample { at: shown(*p, plane, params, unit), cluster })
+            .collect();
         levels.push(report);
         last = Some((output, votes, of_cluster, scale.distance));
     }
@@ -156,16 +174,21 @@ pub fn cluster(
     }
     let order = painting_order(&board, last.as_ref(), params, go_on)?;
     let copies = scene.places.len() / own.places.len();
-    let elements = order.into_iter().map(|element| {
-        let at: [f64; 2] = std::array::from_fn(|k| {
-            let size = params.size[k] * unit;
-            let beyond = element.at[k] > 0.5 * (size + plane.size[k]);
-            let at = if beyond && !params.tile[k] { element.at[k] - plane.size[k] } else { element.at[k] };
-            at / unit
-        });
-        ClusteredElement { place: element.place as usize / copies, at }
+    let elements = order.into_iter().map(|element| ClusteredElement {
+        place: element.place as usize / copies,
+        at: shown(element.at, plane, params, unit),
     });
     Ok(ClusterResult { elements: elements.collect(), levels })
+}
+
+/// A place of the plane in the unit of the exemplar, beside the canvas on the nearer side.
+fn shown(at: [f64; 2], plane: PeriodicPlane, params: &ClusterParams, unit: f64) -> [f64; 2] {
+    std::array::from_fn(|k| {
+        let size = params.size[k] * unit;
+        let beyond = at[k] > 0.5 * (size + plane.size[k]);
+        let at = if beyond && !params.tile[k] { at[k] - plane.size[k] } else { at[k] };
+        at / unit
+    })
 }
 
 /// Blocks, mended. Where they lose too much, as blocks of interlocking swatches do, they vary less.

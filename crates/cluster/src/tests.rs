@@ -328,6 +328,15 @@ fn threads_do_not_matter_and_seeds_do() {
     assert_ne!(one.elements, on(2, &ClusterParams { seed: 4, ..asked }).elements);
     let parts = ClusteringParts { no_link: true, ..ClusteringParts::default() };
     assert_ne!(one.levels, on(2, &ClusterParams { without: parts, ..asked }).levels);
+    for level in &one.levels {
+        assert_eq!(level.output.len(), level.samples[1]);
+        assert!(
+            level
+                .output
+                .iter()
+                .all(|s| (-1.0..=601.0).contains(&s.at[0]) && s.cluster < level.clusters[0] as u32)
+        );
+    }
     assert_ne!(one.levels, on(2, &ClusterParams { without_context: true, ..asked }).levels);
 }
 

@@ -42,6 +42,8 @@ pub(crate) struct CurveInput {
     similar: Vec<Vec<u32>>,
     /// Whether edges count in comparisons.
     pub(crate) with_edges: bool,
+    /// Whether samples may be left without a match where neighbourhoods are compared.
+    pub(crate) is_robust: bool,
 }
 
 impl CurveInput {
@@ -62,7 +64,8 @@ impl CurveInput {
             graph.leaving.iter().map(|l| l.iter().map(|h| graph.way(*h)).collect()).collect();
         let style = graph.leaving.iter().map(|l| l.first().map_or(0, |h| graph.edge(*h).style)).collect();
         let similar = Vec::new();
-        let mut made = Self { graph, scale, index, near, ways, style, similar, with_edges: true };
+        let mut made =
+            Self { graph, scale, index, near, ways, style, similar, with_edges: true, is_robust: true };
         go_on()?;
         made.similar = made.alike();
         go_on()?;

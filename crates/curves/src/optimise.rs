@@ -60,6 +60,10 @@ pub struct CurveParams {
 pub struct CurveParts {
     /// Edges do not count where neighbourhoods are compared.
     pub no_edge: bool,
+    /// Neighbourhoods are compared without outliers: samples without a match cost more than any match.
+    pub no_robust: bool,
+    /// Lines are straight between samples.
+    pub no_orientation: bool,
     /// Samples are neither added nor removed.
     pub no_existence: bool,
     /// The first arrangement is noise instead of patches.
@@ -79,6 +83,12 @@ pub struct CurveLevel {
     pub changed: [usize; 2],
     /// Whether its result was given up, since it had more loose ends than before or much fewer edges.
     pub undone: bool,
+    /// Distance of samples, in the unit of the exemplar.
+    pub distance: f64,
+    /// Places of the samples at the end, with the number of edges at each.
+    pub output: Vec<([f64; 2], usize)>,
+    /// The edges at the end: where each begins, and the way to its end.
+    pub edges: Vec<[[f64; 2]; 2]>,
 }
 
 /// The result.
@@ -176,6 +186,7 @@ fn attempt(
     let sampled = |scale: CurveScale| -> Result<CurveInput> {
         let mut samples = CurveInput::new(input, scale, go_on)?;
         samples.with_edges = !params.without.no_edge;
+        samples.is_robust = !params.without.no_robust;
         Ok(samples)
     };
     let mut last = sampled(levels.first().copied().unwrap_or(coarsest))?;
@@ -193,6 +204,9 @@ fn attempt(
         result.mended = mend(&mut output, &last);
     }
     go_on()?;
+    if params.without.no_orientation {
+        output.edges.iter_mut().for_each(|edge| edge.from = [None; 2]);
+    }
     let graph = output.graph(&last);
     result.measures = [CurveMeasures::of(&last.graph), CurveMeasures::of(&graph)];
     Ok((graph, result))
@@ -280,5 +294,9 @@ pub(crate) fn level_of(
         level.undone = true;
     }
     level.samples = [input.len(), output.len()];
+    level.distance = input.scale.distance;
+    level.output = output.points.iter().copied().zip(output.incident().iter().map(Vec::len)).collect();
+    let edges = output.edges.iter().zip(0..);
+    level.edges = edges.map(|(edge, e)| [output.points[edge.ends[0] as usize], output.way((e, 0))]).collect();
     Ok((output, level))
 }

@@ -8,6 +8,8 @@ use vtex_base::geometry::coherence::{self, CompareNeighbourhoods, NeighbourhoodM
 use vtex_base::geometry::dense::{DenseAssignment, NONE};
 use vtex_base::geometry::plane::{PointIndex, Vicinity};
 
+/// What a sample costs that has no match though every one should, in sample distances: more than any match.
+const FORCED: f64 = 100.0;
 /// Neighbours whose sources are asked.
 const ASKED: usize = 12;
 
@@ -47,12 +49,12 @@ impl CompareNeighbourhoods for CurveComparison<'_> {
         let (ids, offsets) = (&input.near.ids[columns.clone()], &input.near.ways[columns]);
         let inner = offsets.partition_point(|w| w[0] * w[0] + w[1] * w[1] < rim * rim);
         let inner = if own.len() < MOST_NEAR_OUTPUT { inner } else { 0 };
-        let leave = 2.0 * delta;
+        let leave = if input.is_robust { 2.0 * delta } else { FORCED * delta };
         let missing =
             |c: usize| if c < inner { alone(input.ways[ids[c] as usize].len(), delta) } else { 0.0 };
         total += (0..inner).map(missing).sum::<f64>();
         // Rows cost the same alone, so the difference is added here and taken off the row's entries.
-        let spare = |s: usize| leave - alone(ways[s].len(), delta);
+        let spare = |s: usize| if input.is_robust { leave - alone(ways[s].len(), delta) } else { 0.0 };
         total -= own.clone().map(|k| spare(near.ids[k] as usize)).sum::<f64>();
         assignment.begin(ids.len(), leave);
         let mut least = 0.0;

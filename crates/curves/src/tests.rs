@@ -318,6 +318,29 @@ fn energy_falls_from_noise_and_patches_begin_lower() {
 }
 
 #[test]
+fn forced_matches_cost_more_and_straight_courses_are_shorter() {
+    let made_without =
+        |without: CurveParts| made(&waves(), &CurveParams { without, ..params([500.0, 400.0], true) });
+    let full = made_without(CurveParts::default());
+    let forced = made_without(CurveParts { no_robust: true, ..CurveParts::default() });
+    // The first iteration of both has the same samples.
+    assert!(
+        forced.levels[0].energies[0] > 1.2 * full.levels[0].energies[0],
+        "{:?} {:?}",
+        forced.levels,
+        full.levels
+    );
+    let straight = made_without(CurveParts { no_orientation: true, ..CurveParts::default() });
+    assert_eq!(straight.levels, full.levels);
+    let lengths = [&straight, &full].map(|r| r.measures[1].length);
+    assert!(lengths[0] < 0.9999 * lengths[1], "{lengths:?}");
+    for level in &full.levels {
+        assert_eq!(level.output.len(), level.samples[1]);
+        assert_eq!(level.output.iter().map(|o| o.1).sum::<usize>(), 2 * level.edges.len());
+    }
+}
+
+#[test]
 fn waves_and_cells_go_on_without_loose_ends() {
     for (name, exemplar, most) in [("waves", waves(), 1.0), ("cells", cells(), 0.0)] {
         for tile in [false, true] {

@@ -87,9 +87,9 @@ def synthesize(
         What becomes of elements at the edge of a domain.
     ablate : sequence of str, default ()
         Parts of the method that are left out, for experiments: "secondary", "overlap", "density",
-        "decay", "improve", "growth", "removal", "copies", "seeds", "neighbourhoods"; of clusters
-        "shape-context", "link", "shape", "switch", "merge", "split", "depth"; of curves "edge", "existence",
-        "patches", "mend".
+        "decay", "improve", "growth", "removal", "copies", "seeds", "neighbourhoods", "matching"; of
+        clusters "shape-context", "link", "shape", "switch", "merge", "split", "depth"; of curves "edge", "robust",
+        "orientation", "existence", "patches", "mend".
     domain : picture or SVG, optional
         The shape to fill: all filled shapes of an SVG together, fitted to the canvas, or a mask, white (1.0) inside.
     density : picture, optional

@@ -6,7 +6,7 @@ use clap::Args;
 use serde::Serialize;
 use vtex::scene::{Ablation, Edge, LatticeChoice, Method, SynthParams, Weights};
 
-const PARTS: [&str; 21] = [
+const PARTS: [&str; 24] = [
     "secondary",
     "overlap",
     "density",
@@ -17,6 +17,7 @@ const PARTS: [&str; 21] = [
     "copies",
     "seeds",
     "neighbourhoods",
+    "matching",
     "shape-context",
     "link",
     "shape",
@@ -25,6 +26,8 @@ const PARTS: [&str; 21] = [
     "split",
     "depth",
     "edge",
+    "robust",
+    "orientation",
     "existence",
     "patches",
     "mend",
@@ -87,8 +90,8 @@ pub(crate) struct SynthFlags {
     #[arg(value_parser = one_of(&["keep", "clip", "avoid"], named::<Edge>))]
     pub(crate) edge: Option<Edge>,
     /// Leave parts of the method out, to see what they do: secondary, overlap, density, decay,
-    /// improve, growth, removal, copies, seeds, neighbourhoods; of clusters also shape-context, link, shape, switch, merge, split, depth;
-    /// of curves also edge, existence, patches, mend [default: none]
+    /// improve, growth, removal, copies, seeds, neighbourhoods, matching; of clusters also shape-context, link, shape, switch, merge, split, depth;
+    /// of curves also edge, robust, orientation, existence, patches, mend [default: none]
     #[arg(long, value_name = "PART,...", value_parser = one_of(&PARTS, named::<Ablation>), value_delimiter = ',')]
     #[arg(hide_possible_values = true)]
     pub(crate) ablate: Option<Vec<Ablation>>,

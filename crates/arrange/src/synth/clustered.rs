@@ -3,6 +3,7 @@
 use super::compose::{Placement, What, compose_drawing};
 use super::covered::{MOVED, covered, is_moved};
 use super::report::{CategoryReport, ClusterReport, SynthReport};
+use super::samples_picture::cluster_picture;
 use super::single_drawing::{refusal, single_drawing};
 use crate::arrange::controls::Controls;
 use crate::arrange::motifs::{MotifUnits, UnitPart};
@@ -74,6 +75,11 @@ pub(super) fn synthesize(
     };
     let found = cluster(&drawing.exemplar, &asked, &go_on)?;
     advance(progress, "primaries", 1, 2)?;
+    for (number, level) in found.levels.iter().enumerate() {
+        progress.picture(&format!("samples-{}", number + 1), &|| {
+            cluster_picture(level, [params.width, params.height])
+        });
+    }
     let params = SynthParams { variation: Some(variation), ..params.clone() };
     let mut placed = drawing.reaching(&found, &params);
     // Layers keep their order; within one, the order is that of the result.

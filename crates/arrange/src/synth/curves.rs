@@ -5,6 +5,7 @@
 
 use super::compose::{Placement, What, compose_drawing};
 use super::report::{CategoryReport, CurveReport, SynthReport};
+use super::samples_picture::graph_picture;
 use super::single_drawing::{refusal, single_drawing};
 use crate::arrange::controls::Controls;
 use vtex_base::error::Result;
@@ -97,6 +98,8 @@ pub(super) fn synthesize(
         tolerance: TOLERANCE * drawing.thinnest,
         without: CurveParts {
             no_edge: params.without(Ablation::Edge),
+            no_robust: params.without(Ablation::Robust),
+            no_orientation: params.without(Ablation::Orientation),
             no_existence: params.without(Ablation::Existence),
             no_patches: params.without(Ablation::Patches),
             no_mend: params.without(Ablation::Mend),
@@ -107,6 +110,11 @@ pub(super) fn synthesize(
         return Err(refusal(METHOD, LINES));
     }
     advance(progress, "curves", 1, 2)?;
+    for (number, level) in found.levels.iter().enumerate() {
+        progress.picture(&format!("graph-{}", number + 1), &|| {
+            graph_picture(level, [params.width, params.height])
+        });
+    }
     found.curves.sort_by_key(|c| (drawing.styles[c.style as usize].layer, c.style));
     let elements: Vec<(Element, Point, usize)> =
         found.curves.iter().filter_map(|curve| drawing.element(curve)).collect();
@@ -412,6 +420,24 @@ mod tests {
                 assert!((line.width - 4.0).abs() < 0.6, "{}", line.width);
             }
         }
+    }
+
+    #[test]
+    fn every_level_has_a_picture() {
+        #[derive(Default)]
+        struct Names(std::sync::Mutex<Vec<String>>);
+        impl vtex_base::progress::Progress for Names {
+            fn picture(&self, name: &str, _: &dyn Fn() -> image::RgbImage) {
+                self.0.lock().unwrap().push(name.into());
+            }
+        }
+        let names = Names::default();
+        let params =
+            SynthParams { width: 330, height: 250, method: Method::Curves, ..SynthParams::default() };
+        let made = synthesize_with(&[drawing()], &params, &Controls::default(), &names).unwrap();
+        let levels = made.1.curves.unwrap().energies.len();
+        let seen = names.0.into_inner().unwrap();
+        assert!(levels > 0 && (1..=levels).all(|k| seen.contains(&format!("graph-{k}"))), "{seen:?}");
     }
 
     #[test]

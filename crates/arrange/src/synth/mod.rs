@@ -18,6 +18,8 @@ mod motif_tests;
 mod neighbourhoods;
 mod period;
 pub(crate) mod report;
+#[cfg(any(feature = "clustered", feature = "curves"))]
+mod samples_picture;
 pub(crate) mod secondaries;
 #[cfg(any(feature = "clustered", feature = "curves"))]
 mod single_drawing;

@@ -89,7 +89,7 @@ pub(crate) fn place(
         let task = SecondaryTask { number, library, map, radius, params };
         placed.extend(task.places(&parts).into_iter().map(|place| task.placed(place)));
     }
-    let mut placed = painted(libraries, placed, field);
+    let mut placed = painted(libraries, placed, field, params);
     placed.extend(came);
     placed.sort_by_key(|p| p.painting_key(libraries));
     placed
@@ -151,7 +151,7 @@ fn on_vacated_ground(
         });
         placed.extend(places.into_iter().map(|place| task.placed(place)));
     }
-    painted(libraries, placed, field)
+    painted(libraries, placed, field, params)
 }
 
 /// Whether a place of the canvas is covered by the correspondence field.
@@ -167,16 +167,19 @@ pub(crate) fn painted(
     libraries: &[Library],
     placed: Vec<PlacedSecondary>,
     field: &Interpolant,
+    params: &SynthParams,
 ) -> Vec<PlacedSecondary> {
+    let is_matched = !params.without(Ablation::Matching);
     let tones: Vec<[[f64; 2]; 3]> = libraries.iter().map(tones).collect();
     parallel::map(&placed, |p| {
         let secondary = &libraries[p.library].secondaries()[p.secondary as usize];
         let difference = secondary.difference.unwrap_or_default();
         let background = field.at(f64::from(p.at[0]), f64::from(p.at[1]));
-        let colour = [0, 1, 2].map(|c| {
+        let matched = |c: usize| {
             let [least, most] = tones[p.library][c];
             (background[c] + f64::from(difference[c])).clamp(least, most)
-        });
+        };
+        let colour = if is_matched { [0, 1, 2].map(matched) } else { secondary.colour.to_f64() };
         let step = if secondary.base().is_soft() { SPOT_STEP } else { COLOUR_STEP };
         PlacedSecondary { colour: coarse(colour, step), ..*p }
     })

@@ -2,12 +2,14 @@
 
 use super::{Controls, SynthReport, reconstruct, synthesize, synthesize_with};
 use crate::arrange::model::{PlaceableId, PlacementModel};
+use std::collections::BTreeSet;
 use vtex_base::document::Document;
 use vtex_base::error::Error;
 use vtex_base::raster::LabelMap;
+use vtex_base::raster::colour::Colour;
 use vtex_scene::library::Library;
 use vtex_scene::library::testing::{library, mosaic};
-use vtex_scene::scene::{Scene, SynthParams, Tile};
+use vtex_scene::scene::{Ablation, Method, Role, Scene, SynthParams, Tile};
 
 fn params(width: u32, height: u32, seed: u64) -> SynthParams {
     SynthParams { width, height, seed, ..SynthParams::default() }
@@ -40,6 +42,28 @@ fn test_libraries_are_valid() {
         assert_eq!(library.validate(), Ok(()));
         assert!(library.primaries().len() > 20);
     }
+}
+
+#[test]
+fn secondaries_keep_their_colours_without_matching() {
+    let mut library = library(&mosaic(200, 15.0, 0.4, 1));
+    let first = library.primaries().len();
+    for (k, element) in library.elements.iter_mut().skip(first).enumerate() {
+        element.colour = Colour([(k * 37 % 200) as u8, 90, 120]);
+        element.difference = Some([0; 3]);
+    }
+    let colours = |ablate: Vec<Ablation>| {
+        let params = SynthParams { method: Method::Descriptor, ablate, ..params(300, 300, 1) };
+        let (scene, _) = run(&library, &params);
+        let of_role = scene.layers.iter().filter(|l| l.role == Role::Secondary);
+        let painted = of_role.flat_map(|l| &l.instances).filter_map(|i| i.colour.map(|c| c.0));
+        painted.collect::<BTreeSet<_>>()
+    };
+    // The background is even, so matched colours are alike, however much the exemplar's vary.
+    let (matched, kept) = (colours(Vec::new()), colours(vec![Ablation::Matching]));
+    assert!(kept.len() > 3 * matched.len(), "{matched:?} {kept:?}");
+    // Colours are quantised to steps of five.
+    assert!(kept.iter().all(|c| c[1].abs_diff(90) < 3 && c[2].abs_diff(120) < 3), "{kept:?}");
 }
 
 #[test]

@@ -143,7 +143,7 @@ pub(super) fn secondaries<'s>(
             fresh.extend(finder.fill_gaps(std::mem::take(&mut standing[library])));
         }
     }
-    let painted = secondaries::painted(libraries, fresh, interpolant);
+    let painted = secondaries::painted(libraries, fresh, interpolant, params);
     found.extend(painted.into_iter().map(|p| (WarpedSecondary::New(p), p)));
     found.sort_by_key(|(_, placed)| placed.painting_key(libraries));
     found.into_iter().map(|f| f.0).collect()

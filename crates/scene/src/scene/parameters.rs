@@ -197,6 +197,8 @@ pub enum Ablation {
     Seeds,
     /// Secondaries are scattered one by one instead of by neighbourhoods of the exemplar.
     Neighbourhoods,
+    /// Secondaries placed by neighbourhoods keep their exemplar colours, whatever lies beneath (paper, §3.3).
+    Matching,
     /// Samples do not know where they lie within their cluster ([`Method::Clustered`]).
     ShapeContext,
     /// Link energy is left out ([`Method::Clustered`]).
@@ -213,6 +215,10 @@ pub enum Ablation {
     Depth,
     /// Edges do not count where neighbourhoods are compared ([`Method::Curves`]).
     Edge,
+    /// Neighbourhoods are compared without outliers: every sample has to match one ([`Method::Curves`]).
+    Robust,
+    /// Lines are straight between samples, instead of taking their course from the exemplar ([`Method::Curves`]).
+    Orientation,
     /// Samples are neither added nor removed ([`Method::Curves`]).
     Existence,
     /// The first arrangement is noise instead of patches ([`Method::Curves`]).
@@ -223,7 +229,7 @@ pub enum Ablation {
 
 impl Ablation {
     /// All parts, in the order of declaration.
-    pub const ALL: [Self; 21] = [
+    pub const ALL: [Self; 24] = [
         Self::Secondary,
         Self::Overlap,
         Self::Density,
@@ -234,6 +240,7 @@ impl Ablation {
         Self::Copies,
         Self::Seeds,
         Self::Neighbourhoods,
+        Self::Matching,
         Self::ShapeContext,
         Self::Link,
         Self::Shape,
@@ -242,6 +249,8 @@ impl Ablation {
         Self::Split,
         Self::Depth,
         Self::Edge,
+        Self::Robust,
+        Self::Orientation,
         Self::Existence,
         Self::Patches,
         Self::Mend,
