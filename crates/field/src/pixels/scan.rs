@@ -150,7 +150,8 @@ pub fn filled(
 }
 
 /// Continues a picture beyond its border by `margins` pixels: on the left, at the top, on the right, at the
-/// bottom. The picture itself does not change. The result repeats along the axes of `wrap`.
+/// bottom. The picture itself does not change; the new pixels have its colours as often as the picture. The
+/// result repeats along the axes of `wrap`.
 ///
 /// # Errors
 /// As [`scanned`].
