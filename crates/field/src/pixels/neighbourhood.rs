@@ -18,7 +18,7 @@ const MOST_VALUES: usize = 12 << 20;
 /// 3 × 3 labels.
 pub(super) struct Neighbourhood {
     /// Radius on the level, in pixels.
-    pub(super) reach: i64,
+    reach: i64,
     /// Offsets to the pixels of the level.
     offsets: Vec<[i64; 2]>,
     /// Number of labels; 0 without labels.

@@ -1,9 +1,10 @@
 //! Pixel-by-pixel synthesis from coarse to fine (Wei and Levoy).
 //!
 //! A pixel gets the exemplar pixel with the most similar neighbourhood: one of the nearest leaf of the codebook,
-//! or one that continues the source of an adjacent pixel (Ashikhmin 2001). In the first scan of a level a
-//! neighbourhood consists of those pixels alone that are known already; in the second, which runs backwards, of
-//! all. Around given pixels the scan goes outwards from them, so no side of a hole is left to the end.
+//! or one that continues the source of an adjacent pixel (Ashikhmin 2001). Pixels that are not known yet count
+//! nothing in a neighbourhood. A level starts with the finer pixels of the coarser level's sources; scans then
+//! improve it, every second one backwards. Around given pixels they go outwards, so no side of a hole is left
+//! to the end.
 
 use super::colour_use::{ColourUse, match_colours};
 use super::neighbourhood::{KnownNeighbourhoods, Neighbourhood, NeighbourhoodVector, complete};
