@@ -221,7 +221,9 @@ pub mod output {
 /// Pixel-based synthesis: textures without elements, as a baseline and for backgrounds.
 pub mod pixels {
     #[doc(inline)]
-    pub use vtex_field::pixels::{Leaf, by_numbers, carried, scanned};
+    pub use vtex_field::pixels::{
+        ScanParams, by_numbers, carried, extended, filled, scanned, scanned_by_numbers,
+    };
 }
 
 /// Pixels: decoding, label maps, run-length masks, components, distances, colour spaces.

@@ -8,6 +8,7 @@ use serde::{Serialize, Serializer};
 use std::ffi::OsStr;
 use std::str::FromStr;
 use vtex::Parameter;
+use vtex::analyze::Exemplar;
 use vtex::output::CSS_DPI;
 use vtex::scene::{SynthParams, Tile, Weights};
 use vtex::warp::Bend;
@@ -135,6 +136,29 @@ impl FromStr for Factors {
         };
         let (x, y) = text.split_once(['x', 'X']).unwrap_or((text, text));
         Ok(Self([factor(x)?, factor(y)?]))
+    }
+}
+
+/// `40` or `40,0,40,0`: widths at the left, the top, the right and the bottom.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Margins(pub(crate) [usize; 4]);
+
+impl Margins {
+    /// Range of each width.
+    pub(crate) const EACH: Parameter<usize> =
+        Parameter::new("extend", [0, Exemplar::LARGEST_SIDE as usize], "px each");
+}
+
+impl FromStr for Margins {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let values: Result<Vec<usize>, _> = text.split(',').map(|t| within(Self::EACH)(t.trim())).collect();
+        match values.as_deref() {
+            Ok([all]) => Ok(Self([*all; 4])),
+            Ok([left, top, right, bottom]) => Ok(Self([*left, *top, *right, *bottom])),
+            _ => Err(format!("expected 40, or 40,0,40,0 for left, top, right and bottom, {}", Self::EACH)),
+        }
     }
 }
 
@@ -391,6 +415,15 @@ mod tests {
         assert_eq!("0.5x2".parse(), Ok(Factors([0.5, 2.0])));
         for bad in ["", "x", "0", "0.05", "11", "1x", "-1", "NaN", "1x2x3", "inf"] {
             assert!(bad.parse::<Factors>().is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn margins_are_one_or_four_widths() {
+        assert_eq!("40".parse(), Ok(Margins([40; 4])));
+        assert_eq!("1,2, 3,0".parse(), Ok(Margins([1, 2, 3, 0])));
+        for bad in ["", "1,2", "1,2,3,4,5", "-1", "1.5", "1,2,3,x", "999999999"] {
+            assert!(bad.parse::<Margins>().is_err(), "{bad}");
         }
     }
 

@@ -10,16 +10,16 @@ use crate::cli::options::files::{ForceArgs, check_files, required};
 use crate::cli::output::{Destination, WrittenFile};
 use crate::cli::progress::Reporter;
 use crate::cli::summary::Summary;
-use crate::cli::values::{Axes, Size, named};
+use crate::cli::values::{Axes, Margins, Size, named};
 use clap::Args;
 use serde::Deserialize;
 use std::path::PathBuf;
 use vtex::Progress;
 use vtex::analyze::{Exemplar, Limits};
-use vtex::layers::LayerPicture;
+use vtex::layers::{LayerPicture, hole as read_hole};
 use vtex::output::file::Format;
 use vtex::output::png::encode_rgb;
-use vtex::pixels::{Leaf, by_numbers, carried, scanned};
+use vtex::pixels::{ScanParams, by_numbers, carried, extended, filled, scanned, scanned_by_numbers};
 
 /// Photograph to pixels of any size: a baseline
 #[derive(Args)]
@@ -29,7 +29,9 @@ use vtex::pixels::{Leaf, by_numbers, carried, scanned};
 Examples:
   vtex raster photo.jpg -o big.png --size 1000 --tile
   vtex raster rust.jpg -o new.png --control layers.png map.png
-  vtex raster photo.jpg -o scanned.png --method tsvq"
+  vtex raster photo.jpg -o scanned.png --method tsvq
+  vtex raster photo.jpg -o mended.png --hole scratch.png
+  vtex raster photo.jpg -o wider.png --extend 100,0,100,0"
 )]
 pub(crate) struct RasterArgs {
     /// The photograph: PNG, JPEG, TIFF, WebP, BMP, GIF or PNM; - reads stdin
@@ -49,14 +51,36 @@ pub(crate) struct RasterArgs {
     #[arg(long, value_name = "AXES", num_args = 0..=1, require_equals = true, default_missing_value = "both")]
     pub(crate) tile: Option<Axes>,
     /// Pixels carried along a field of correspondences, or made one by one with a codebook of
-    /// neighbourhoods, exact or soft [correspondence, tsvq or tsvq-soft, default: correspondence]
+    /// neighbourhoods, which repeat without a seam [correspondence or tsvq, default: correspondence; tsvq
+    /// with the options below]
     #[arg(long, value_name = "METHOD", value_parser = named::<PixelMethod>)]
     pub(crate) method: Option<PixelMethod>,
     /// Two layer maps: where in the photograph what is, and where it is to be in the result; the
     /// second sets the size
-    #[arg(long, num_args = 2, value_names = ["KNOWN", "WANTED"], conflicts_with_all = ["size", "method"])]
+    #[arg(long, num_args = 2, value_names = ["KNOWN", "WANTED"], conflicts_with = "size")]
     pub(crate) control: Option<Vec<PathBuf>>,
+    /// Make a part of the photograph anew and keep the rest: white in a picture of its size, or opaque
+    /// where that has transparency
+    #[arg(long, value_name = "FILE", help_heading = CODEBOOK, conflicts_with_all = ["size", "control", "extend"])]
+    pub(crate) hole: Option<PathBuf>,
+    /// Continue the photograph beyond its border, by one number on all sides or by four
+    #[arg(long, value_name = "PX|L,T,R,B", help_heading = CODEBOOK, conflicts_with_all = ["size", "control"])]
+    #[arg(takes = format!("{}, default: 0", Margins::EACH))]
+    pub(crate) extend: Option<Margins>,
+    /// Levels of resolution, each half of the next finer
+    #[arg(long, help_heading = CODEBOOK)]
+    #[arg(number_or(ScanParams::LEVELS, format!("up to {}, as many as the photograph has room for", ScanParams::MOST_DEFAULT_LEVELS)))]
+    pub(crate) levels: Option<usize>,
+    /// Side of the neighbourhoods that are compared, an odd number
+    #[arg(long, alias = "neighborhood", help_heading = CODEBOOK, number = ScanParams::NEIGHBOURHOOD)]
+    pub(crate) neighbourhood: Option<usize>,
+    /// Codewords of each level, at most as many as it has neighbourhoods
+    #[arg(long, help_heading = CODEBOOK, number = ScanParams::CODEBOOK)]
+    pub(crate) codebook: Option<usize>,
 }
+
+/// Heading of the options of one method.
+const CODEBOOK: &str = "Pixels by codebook (--method tsvq)";
 
 /// How pixels are made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
@@ -65,18 +89,25 @@ pub(crate) enum PixelMethod {
     #[default]
     Correspondence,
     Tsvq,
-    TsvqSoft,
 }
 
 /// The source and the result.
 struct Making {
     photo: Input,
-    control: Option<[Input; 2]>,
-    size: Option<[usize; 2]>,
+    pixels: PixelsFrom,
     wrap: [bool; 2],
-    method: PixelMethod,
+    /// Parameters of the codebook; `None` for the field.
+    scan: Option<ScanParams>,
     seed: u64,
     place: Destination,
+}
+
+/// What the pixels are made for.
+enum PixelsFrom {
+    Photograph(Option<[usize; 2]>),
+    Maps([Input; 2]),
+    Hole(Input),
+    Border([usize; 4]),
 }
 
 impl Arguments for RasterArgs {
@@ -96,6 +127,8 @@ impl Making {
         };
         let mut read = vec![("the photograph", &photo)];
         read.extend(control.iter().flatten().map(|file| ("--control", file)));
+        let hole = a.hole.map(Input::new);
+        read.extend(hole.iter().map(|file| ("--hole", file)));
         check_files(&read, &[("-o", a.output.as_deref())])?;
         let place = match (a.output, &photo) {
             (Some(path), _) if path.as_os_str() != "-" => {
@@ -109,9 +142,36 @@ impl Making {
             }
             _ => Destination::Stdout,
         };
-        let size = a.size.map(|s| [s.width as usize, s.height as usize]);
+        let of_codebook = [
+            ("--hole", hole.is_some()),
+            ("--extend", a.extend.is_some()),
+            ("--levels", a.levels.is_some()),
+            ("--neighbourhood", a.neighbourhood.is_some()),
+            ("--codebook", a.codebook.is_some()),
+        ];
+        let given = of_codebook.into_iter().find(|(_, given)| *given).map(|(name, _)| name);
+        let method = match (a.method, given) {
+            (Some(PixelMethod::Correspondence), Some(name)) => {
+                return Err(Failure::usage(format!("{name} is for --method tsvq"))
+                    .hint("leave out --method correspondence"));
+            }
+            (Some(method), _) => method,
+            (None, Some(_)) => PixelMethod::Tsvq,
+            (None, None) => PixelMethod::default(),
+        };
+        let scan = (method == PixelMethod::Tsvq).then(|| ScanParams {
+            levels: a.levels,
+            neighbourhood: a.neighbourhood.unwrap_or(ScanParams::NEIGHBOURHOOD.default()),
+            codebook: a.codebook.unwrap_or(ScanParams::CODEBOOK.default()),
+        });
+        let pixels = match (control, hole, a.extend) {
+            (Some(maps), ..) => PixelsFrom::Maps(maps),
+            (_, Some(hole), _) => PixelsFrom::Hole(hole),
+            (.., Some(Margins(margins))) => PixelsFrom::Border(margins),
+            _ => PixelsFrom::Photograph(a.size.map(|s| [s.width as usize, s.height as usize])),
+        };
         let wrap = a.tile.map_or([false; 2], |t| [t.0.x, t.0.y]);
-        Ok(Self { photo, control, size, wrap, method: a.method.unwrap_or_default(), seed, place })
+        Ok(Self { photo, pixels, wrap, scan, seed, place })
     }
 }
 
@@ -129,22 +189,44 @@ fn run(common: &Common, reporter: &Reporter, job: &Making) -> anyhow::Result<()>
     photo.warnings.iter().for_each(|warning| reporter.warn(warning));
     let image = photo.image;
     let mut inputs = vec![name];
-    let made = if let Some([known, wanted]) = &job.control {
-        let mut picture = |input| -> anyhow::Result<LayerPicture> {
-            let (name, bytes) = read(input)?;
-            inputs.push(name.clone());
-            Ok(LayerPicture::from_bytes(&bytes, &name, &Limits::default())?)
-        };
-        let known = picture(known)?.layers()?;
-        let wanted = picture(wanted)?.in_colours_of(&known)?;
-        by_numbers(&image, &known.labels, &wanted, job.wrap, job.seed, reporter)?
-    } else {
-        let size = job.size.unwrap_or([image.width() as usize, image.height() as usize]);
-        match job.method {
-            PixelMethod::Correspondence => carried(&image, size, job.wrap, job.seed, reporter)?,
-            PixelMethod::Tsvq => scanned(&image, size, Leaf::Exact, job.seed, reporter)?,
-            PixelMethod::TsvqSoft => scanned(&image, size, Leaf::Mean, job.seed, reporter)?,
+    let mut other = |input| -> anyhow::Result<(String, Vec<u8>)> {
+        let (name, bytes) = read(input)?;
+        inputs.push(name.clone());
+        Ok((name, bytes))
+    };
+    let (wrap, seed) = (job.wrap, job.seed);
+    let scan = job.scan.unwrap_or_default();
+    let made = match &job.pixels {
+        PixelsFrom::Photograph(size) => {
+            let size = size.unwrap_or([image.width() as usize, image.height() as usize]);
+            match &job.scan {
+                None => carried(&image, size, wrap, seed, reporter)?,
+                Some(scan) => scanned(&image, size, scan, seed, reporter)?,
+            }
         }
+        PixelsFrom::Maps([known, wanted]) => {
+            let mut picture = |input| -> anyhow::Result<LayerPicture> {
+                let (name, bytes) = other(input)?;
+                Ok(LayerPicture::from_bytes(&bytes, &name, &Limits::default())?)
+            };
+            let known = picture(known)?.layers()?;
+            let wanted = picture(wanted)?.in_colours_of(&known)?;
+            match &job.scan {
+                None => by_numbers(&image, &known.labels, &wanted, wrap, seed, reporter)?,
+                Some(scan) => scanned_by_numbers(&image, &known.labels, &wanted, wrap, scan, seed, reporter)?,
+            }
+        }
+        PixelsFrom::Hole(hole) => {
+            let (name, bytes) = other(hole)?;
+            let ([w, h], hole) = read_hole(&bytes, &name, &Limits::default())?;
+            let [own_w, own_h] = [image.width(), image.height()];
+            if [w, h] != [own_w as usize, own_h as usize] {
+                let message = format!("'{name}' has {w} x {h} pixels, the photograph {own_w} x {own_h}");
+                return Err(Failure::failed(message).hint("make --hole of the photograph's size").into());
+            }
+            filled(&image, &hole, wrap, &scan, seed, reporter)?
+        }
+        PixelsFrom::Border(margins) => extended(&image, *margins, wrap, &scan, seed, reporter)?,
     };
     reporter.stage("writing")?;
     let (_, bytes) = job.place.write(|out| encode_rgb(&made, out))?;

@@ -1,13 +1,20 @@
 //! Pixel-based synthesis: textures without elements, as a baseline and for backgrounds.
 //!
 //! [`carried`] copies the pixels of a photograph along a correspondence field. [`scanned`] makes pixels one
-//! by one with a codebook of neighbourhoods (Wei and Levoy). [`by_numbers`] follows two label maps, one of
-//! the photograph and one of the result.
+//! by one with a codebook of neighbourhoods (Wei and Levoy); [`filled`] does so within a hole, and [`extended`]
+//! beyond the border of a picture. [`by_numbers`] and [`scanned_by_numbers`] follow two label maps, one of the
+//! photograph and one of the result.
 //!
 //! Works badly where elements must stay whole, because pixels carry no knowledge of them.
 
+mod colour_use;
+mod neighbourhood;
+mod pyramid;
 mod scan;
+mod synthesis;
 mod tsvq;
+
+pub use scan::{ScanParams, extended, filled, scanned, scanned_by_numbers};
 
 use crate::correspondence::{CHANNELS, CanvasRequest, ExemplarPage, find};
 use image::{Rgb, RgbImage};
@@ -22,36 +29,11 @@ const CELL: usize = 2;
 /// Weight of the contrast within a cell relative to one standard deviation of colour.
 const GRAIN: f32 = 0.4;
 
-/// The colour taken from a leaf of the codebook.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Leaf {
-    /// The pixel of the most similar neighbourhood in the leaf. The default.
-    #[default]
-    Exact,
-    /// The mean of the leaf's pixels, as in the paper; softer.
-    Mean,
-}
-
-/// Makes a picture of `size` pixels, pixel by pixel in scan order. It repeats along both axes.
-///
-/// # Errors
-/// A size out of range; [`Error::Interrupted`].
-pub fn scanned(
-    image: &RgbImage,
-    size: [usize; 2],
-    leaf: Leaf,
-    seed: u64,
-    progress: &dyn Progress,
-) -> Result<RgbImage> {
-    check_size(size)?;
-    scan::scanned(image, size, leaf, seed, progress)
-}
-
 /// Makes a picture of `size` pixels by copying along a correspondence field. It repeats along the axes of
 /// `wrap`.
 ///
 /// # Errors
-/// As [`scanned`].
+/// A size out of range; [`Error::Interrupted`].
 pub fn carried(
     image: &RgbImage,
     size: [usize; 2],
@@ -86,21 +68,7 @@ pub fn by_numbers(
 ) -> Result<RgbImage> {
     let size = [wanted.width as usize, wanted.height as usize];
     check_size(size)?;
-    let refuse = |reason: String, advice| {
-        Err(Error::Control { name: "the map".into(), role: "a control map", reason, advice })
-    };
-    if [known.width, known.height] != [image.width(), image.height()] {
-        return refuse(
-            format!(
-                "it has {} x {} pixels, the photograph {} x {}",
-                known.width,
-                known.height,
-                image.width(),
-                image.height()
-            ),
-            "make the first map of the same size as the photograph",
-        );
-    }
+    check_map(image, known)?;
     let cells = [known.width, known.height].map(|v| (v as usize / CELL).max(1));
     let own: Vec<u32> = (0..cells[0] * cells[1]).map(|i| middle(known, cells, i)).collect();
     let canvas = size.map(|v| v.div_ceil(CELL));
@@ -120,14 +88,32 @@ pub fn by_numbers(
             .is_some_and(|inside| (0..inside.len()).filter(|&i| inside[i] && !rim(i)).count() < 16)
     });
     if let Some(page) = short {
-        return refuse(
-            format!("layer {} of the second is hardly in the first", page.group),
-            "use no colours in the second map that the first has not",
-        );
+        return Err(hardly_known(u32::from(page.group)));
     }
     let request =
         CanvasRequest { pages: &pages, size: canvas, wrap, groups: Some(groups), active: None, seed };
     copied(image, size, &request, progress)
+}
+
+/// Refuses a label map of another size than the photograph.
+fn check_map(image: &RgbImage, known: &LabelMap) -> Result<()> {
+    let (found, wanted) = ([known.width, known.height], [image.width(), image.height()]);
+    let reason =
+        format!("it has {} x {} pixels, the photograph {} x {}", found[0], found[1], wanted[0], wanted[1]);
+    let advice = "make the first map of the same size as the photograph";
+    if found == wanted { Ok(()) } else { Err(unusable_map(reason, advice)) }
+}
+
+/// The error of a label that has too few pixels of the photograph.
+fn hardly_known(label: u32) -> Error {
+    unusable_map(
+        format!("layer {label} of the second is hardly in the first"),
+        "use no colours in the second map that the first has not",
+    )
+}
+
+fn unusable_map(reason: String, advice: &'static str) -> Error {
+    Error::Control { name: "the map".into(), role: "a control map", reason, advice }
 }
 
 /// The label at the centre of a cell.
@@ -196,5 +182,9 @@ fn copied(
     Ok(RgbImage::from_fn(size[0] as u32, size[1] as u32, |x, y| Rgb(rows[y as usize * size[0] + x as usize])))
 }
 
+#[cfg(test)]
+mod figures;
+#[cfg(test)]
+mod scan_tests;
 #[cfg(test)]
 mod tests;

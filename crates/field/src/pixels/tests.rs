@@ -43,13 +43,13 @@ fn has_no_seam(image: &RgbImage) {
 #[test]
 fn every_way_keeps_colours_and_repeats() {
     let own = photo(64, 60, 1);
-    for leaf in [Leaf::Exact, Leaf::Mean] {
-        let made = scanned(&own, [120, 70], leaf, 2, &()).unwrap();
-        assert_eq!(made.dimensions(), (120, 70));
-        assert!(distance(&own, &made) < 0.05, "{leaf:?}: {}", distance(&own, &made));
-        has_no_seam(&made);
-        assert_eq!(scanned(&own, [120, 70], leaf, 2, &()).unwrap(), made);
-    }
+    let params = ScanParams::default();
+    let made = scanned(&own, [120, 70], &params, 2, &()).unwrap();
+    assert_eq!(made.dimensions(), (120, 70));
+    assert!(distance(&own, &made) < 0.02, "{}", distance(&own, &made));
+    has_no_seam(&made);
+    assert_eq!(scanned(&own, [120, 70], &params, 2, &()).unwrap(), made);
+    assert_ne!(scanned(&own, [120, 70], &params, 3, &()).unwrap(), made);
     let made = carried(&own, [120, 70], [true; 2], 2, &()).unwrap();
     assert_eq!(made.dimensions(), (120, 70));
     assert!(distance(&own, &made) < 0.03, "{}", distance(&own, &made));
@@ -61,7 +61,7 @@ fn every_way_keeps_colours_and_repeats() {
 fn exact_pixels_are_the_photographs() {
     let own = photo(48, 48, 2);
     let known: std::collections::BTreeSet<[u8; 3]> = own.pixels().map(|p| p.0).collect();
-    let scanned = scanned(&own, [70, 40], Leaf::Exact, 1, &()).unwrap();
+    let scanned = scanned(&own, [70, 40], &ScanParams::default(), 1, &()).unwrap();
     let carried = carried(&own, [71, 43], [false; 2], 1, &()).unwrap();
     assert!(scanned.pixels().chain(carried.pixels()).all(|p| known.contains(&p.0)));
 }
@@ -93,14 +93,19 @@ fn everything_is_where_the_map_says() {
 #[test]
 fn any_size_is_filled_and_work_can_be_stopped() {
     let own = photo(33, 32, 4);
+    let dot = scanned(&photo(1, 1, 4), [5, 4], &ScanParams::default(), 1, &()).unwrap();
+    assert!(dot.pixels().all(|p| p == photo(1, 1, 4).get_pixel(0, 0)));
     for size in [[1, 1], [3, 90], [90, 2]] {
         let wide = |image: RgbImage| [image.width() as usize, image.height() as usize];
-        assert_eq!(wide(scanned(&own, size, Leaf::Exact, 1, &()).unwrap()), size);
+        assert_eq!(wide(scanned(&own, size, &ScanParams::default(), 1, &()).unwrap()), size);
         assert_eq!(wide(carried(&own, size, [true, false], 1, &()).unwrap()), size);
     }
     assert!(matches!(carried(&own, [0, 4], [false; 2], 1, &()), Err(Error::Parameter { .. })));
-    assert!(matches!(scanned(&own, [4, 20_000], Leaf::Exact, 1, &()), Err(Error::TooLarge { .. })));
+    assert!(matches!(
+        scanned(&own, [4, 20_000], &ScanParams::default(), 1, &()),
+        Err(Error::TooLarge { .. })
+    ));
     let stop = &vtex_testing::StopAtOnce;
-    assert!(matches!(scanned(&own, [40, 40], Leaf::Exact, 1, stop), Err(Error::Interrupted)));
+    assert!(matches!(scanned(&own, [40, 40], &ScanParams::default(), 1, stop), Err(Error::Interrupted)));
     assert!(matches!(carried(&own, [40, 40], [false; 2], 1, stop), Err(Error::Interrupted)));
 }

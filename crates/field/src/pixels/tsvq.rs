@@ -3,6 +3,7 @@
 
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashSet};
+use vtex_base::error::Result;
 
 /// Lloyd iterations of a split.
 const LLOYD: usize = 10;
@@ -31,29 +32,44 @@ pub(super) struct Codebook {
     compared: Vec<Vec<u32>>,
 }
 
+/// Components that are summed side by side.
+const LANES: usize = 8;
+
 /// Squared distance of two vectors.
 #[inline]
 pub(super) fn distance(a: &[f32], b: &[f32]) -> f32 {
-    a.iter().zip(b).map(|(x, y)| (x - y) * (x - y)).sum()
+    let mut sums = [0f32; LANES];
+    let (mut left, mut right) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
+    for (a, b) in left.by_ref().zip(right.by_ref()) {
+        (0..LANES).for_each(|k| sums[k] += (a[k] - b[k]) * (a[k] - b[k]));
+    }
+    let rest = left.remainder().iter().zip(right.remainder());
+    rest.map(|(a, b)| (a - b) * (a - b)).sum::<f32>() + sums.iter().sum::<f32>()
 }
 
-/// The squared distance of two vectors, if it is below `most`.
-fn nearer(a: &[f32], b: &[f32], most: f32) -> Option<f32> {
-    const AT_ONCE: usize = 16;
-    let mut sum = 0.0;
-    for (a, b) in a.chunks(AT_ONCE).zip(b.chunks(AT_ONCE)) {
-        a.iter().zip(b).for_each(|(x, y)| sum += (x - y) * (x - y));
-        if sum >= most {
-            return None;
-        }
+/// Squared distance of two vectors in the components that are known: 1 or 0 for each; all without `known`.
+#[inline]
+pub(super) fn distance_of_known(a: &[f32], b: &[f32], known: Option<&[f32]>) -> f32 {
+    let Some(known) = known else { return distance(a, b) };
+    let mut sums = [0f32; LANES];
+    let mut all = (a.chunks_exact(LANES), b.chunks_exact(LANES), known.chunks_exact(LANES));
+    for ((a, b), known) in all.0.by_ref().zip(all.1.by_ref()).zip(all.2.by_ref()) {
+        (0..LANES).for_each(|k| sums[k] += (a[k] - b[k]) * (a[k] - b[k]) * known[k]);
     }
-    Some(sum)
+    let rest = all.0.remainder().iter().zip(all.1.remainder()).zip(all.2.remainder());
+    rest.map(|((a, b), known)| (a - b) * (a - b) * known).sum::<f32>() + sums.iter().sum::<f32>()
 }
 
 impl Codebook {
     /// A codebook of at most `leaves` leaves. `vectors` holds vectors of `length` components, one after the
-    /// other. The leaf with the largest distortion is split until there are enough.
-    pub(super) fn new(vectors: &[f32], length: usize, leaves: usize) -> Self {
+    /// other. The leaf with the largest distortion is split until there are enough. `go_on` may stop the
+    /// work.
+    pub(super) fn new(
+        vectors: &[f32],
+        length: usize,
+        leaves: usize,
+        go_on: &mut dyn FnMut() -> Result<()>,
+    ) -> Result<Self> {
         let all: Vec<u32> = (0..(vectors.len() / length) as u32).collect();
         let mut book = Self { length, means: Vec::new(), nodes: Vec::new(), leaves: 1, compared: Vec::new() };
         let mut queue = BinaryHeap::new();
@@ -65,7 +81,7 @@ impl Codebook {
                 break;
             }
             let members = std::mem::take(&mut book.nodes[worst as usize].members);
-            let Some([left, right]) = book.split(vectors, worst, &members) else {
+            let Some([left, right]) = book.split(vectors, worst, &members, go_on)? else {
                 book.nodes[worst as usize].members = members;
                 continue;
             };
@@ -78,7 +94,7 @@ impl Codebook {
             book.leaves += 1;
         }
         book.compared = book.nodes.iter().map(|node| book.differing(vectors, &node.members)).collect();
-        book
+        Ok(book)
     }
 
     /// The different vectors among `members`, sampled evenly if there are more than [`MOST_COMPARED`]. In a
@@ -112,7 +128,13 @@ impl Codebook {
     }
 
     /// Splits the vectors of a leaf by 2-means along their principal axis; `None` if a part stays empty.
-    fn split(&self, vectors: &[f32], node: u32, members: &[u32]) -> Option<[Vec<u32>; 2]> {
+    fn split(
+        &self,
+        vectors: &[f32],
+        node: u32,
+        members: &[u32],
+        go_on: &mut dyn FnMut() -> Result<()>,
+    ) -> Result<Option<[Vec<u32>; 2]>> {
         let length = self.length;
         let of = |m: u32| &vectors[m as usize * length..][..length];
         let mean = self.mean(node);
@@ -120,10 +142,12 @@ impl Codebook {
         let far = members.iter().copied().fold(None, |best: Option<(f32, u32)>, m| {
             let d = distance(of(m), mean);
             if best.is_none_or(|b| d > b.0) { Some((d, m)) } else { best }
-        })?;
+        });
+        let Some(far) = far else { return Ok(None) };
         let mut axis: Vec<f32> = of(far.1).iter().zip(mean).map(|(v, m)| v - m).collect();
         let mut size = 0.0;
         for _ in 0..POWER {
+            go_on()?;
             let mut next = vec![0f32; length];
             for &m in members {
                 let along: f32 = of(m).iter().zip(mean).zip(&axis).map(|((v, c), a)| (v - c) * a).sum();
@@ -131,7 +155,7 @@ impl Codebook {
             }
             size = libm::sqrtf(next.iter().map(|v| v * v).sum());
             if size <= 0.0 {
-                return None;
+                return Ok(None);
             }
             axis = next.into_iter().map(|v| v / size).collect();
         }
@@ -140,13 +164,14 @@ impl Codebook {
             .map(|side: f32| mean.iter().zip(&axis).map(|(c, a)| c + side * step * a).collect::<Vec<f32>>());
         let mut parts: [Vec<u32>; 2] = Default::default();
         for _ in 0..LLOYD {
+            go_on()?;
             let mut now: [Vec<u32>; 2] = Default::default();
             for &m in members {
                 let nearer = distance(of(m), &centres[1]) < distance(of(m), &centres[0]);
                 now[usize::from(nearer)].push(m);
             }
             if now.iter().any(Vec::is_empty) {
-                return None;
+                return Ok(None);
             }
             if now == parts {
                 break;
@@ -160,40 +185,31 @@ impl Codebook {
                 *centre = sum.iter().map(|s| (s / part.len() as f64) as f32).collect();
             }
         }
-        Some(parts)
+        Ok(Some(parts))
     }
 
-    /// For each node the mean colour of its vectors' centre pixels; black unless the node is a leaf.
-    pub(super) fn means_of(&self, middles: &[u32], pixels: &[[f32; 3]]) -> Vec<[f32; 3]> {
-        let mean = |node: &CodebookNode| {
-            let count = node.members.len().max(1) as f32;
-            let of = |m: &u32| pixels[middles[*m as usize] as usize];
-            std::array::from_fn(|c| node.members.iter().map(|m| of(m)[c]).sum::<f32>() / count)
-        };
-        self.nodes.iter().map(mean).collect()
-    }
-
-    /// The leaf of a vector, and the number of distances computed.
-    pub(super) fn encode(&self, vector: &[f32]) -> (u32, u32) {
-        let (mut node, mut compared) = (0, 0);
+    /// The vector of the nearest leaf that costs least, and its cost: `cost` of the vector and its distance in
+    /// the components that are known (1 or 0 for each; all without `known`). Ties go to the first.
+    pub(super) fn search(
+        &self,
+        vectors: &[f32],
+        vector: &[f32],
+        known: Option<&[f32]>,
+        cost: impl Fn(u32, f32) -> f32,
+    ) -> (u32, f32) {
+        let far = |to: &[f32]| distance_of_known(vector, to, known);
+        let mut node = 0;
         while let Some([left, right]) = self.nodes[node as usize].children {
-            let nearer = distance(vector, self.mean(right)) < distance(vector, self.mean(left));
-            node = if nearer { right } else { left };
-            compared += 2;
+            node = if far(self.mean(right)) < far(self.mean(left)) { right } else { left };
         }
-        (node, compared)
-    }
-
-    /// The vector of a leaf that is nearest to the given one; ties go to the first.
-    pub(super) fn nearest(&self, vectors: &[f32], leaf: u32, vector: &[f32]) -> u32 {
-        let of = |m: u32| &vectors[m as usize * self.length..][..self.length];
-        let mut best = (f32::INFINITY, 0);
-        for &m in &self.compared[leaf as usize] {
-            if let Some(d) = nearer(of(m), vector, best.0) {
-                best = (d, m);
+        let mut best = (0, f32::INFINITY);
+        for &m in &self.compared[node as usize] {
+            let cost = cost(m, far(&vectors[m as usize * self.length..][..self.length]));
+            if cost < best.1 {
+                best = (m, cost);
             }
         }
-        best.1
+        best
     }
 }
 
@@ -217,8 +233,22 @@ mod tests {
         all
     }
 
+    fn book(vectors: &[f32], length: usize, leaves: usize) -> Codebook {
+        Codebook::new(vectors, length, leaves, &mut || Ok(())).unwrap()
+    }
+
+    /// The leaf of a vector, and the number of distances that lead to it.
+    fn encode(book: &Codebook, vector: &[f32]) -> (u32, u32) {
+        let (mut node, mut compared) = (0, 0);
+        while let Some([left, right]) = book.nodes[node as usize].children {
+            let nearer = distance(vector, book.mean(right)) < distance(vector, book.mean(left));
+            (node, compared) = (if nearer { right } else { left }, compared + 2);
+        }
+        (node, compared)
+    }
+
     fn distortion(book: &Codebook, vectors: &[f32]) -> f64 {
-        vectors.chunks(LENGTH).map(|v| f64::from(distance(v, book.mean(book.encode(v).0)))).sum()
+        vectors.chunks(LENGTH).map(|v| f64::from(distance(v, book.mean(encode(book, v).0)))).sum()
     }
 
     #[test]
@@ -229,16 +259,11 @@ mod tests {
         near.extend((0..7 * LENGTH).map(|k| -((k / LENGTH) as f32)));
         let white = vec![1.0; 20_000 * LENGTH];
         for (vectors, most) in [(&near, MOST_COMPARED), (&white, 1)] {
-            let book = Codebook::new(vectors, LENGTH, 8);
+            let book = book(vectors, LENGTH, 8);
             let largest = book.compared.iter().map(Vec::len).max().unwrap();
             assert!(largest <= most, "{largest}");
-            let leaf = book.encode(&vectors[..LENGTH]).0;
-            assert!(
-                distance(
-                    &vectors[book.nearest(vectors, leaf, &vectors[..LENGTH]) as usize * LENGTH..][..LENGTH],
-                    &vectors[..LENGTH]
-                ) < 1e-4
-            );
+            let found = book.search(vectors, &vectors[..LENGTH], None, |_, d| d).0 as usize;
+            assert!(distance(&vectors[found * LENGTH..][..LENGTH], &vectors[..LENGTH]) < 1e-4);
         }
     }
 
@@ -247,12 +272,12 @@ mod tests {
         let (known, held) = (vectors(4000, 1), vectors(500, 2));
         let mut last = f64::INFINITY;
         for leaves in [1, 16, 64, 512] {
-            let book = Codebook::new(&known, LENGTH, leaves);
+            let book = book(&known, LENGTH, leaves);
             assert_eq!(book.leaves, leaves);
             let own = distortion(&book, &known);
             assert!(own < last, "{leaves}: {own} {last}");
             last = own;
-            let asked: u32 = held.chunks(LENGTH).map(|v| book.encode(v).1).sum();
+            let asked: u32 = held.chunks(LENGTH).map(|v| encode(&book, v).1).sum();
             let mean = f64::from(asked) / 500.0;
             assert!(mean <= 3.0 * libm::log2(leaves as f64).max(0.0) + 1e-9, "{leaves}: {mean}");
             let full: f64 = held
@@ -269,11 +294,21 @@ mod tests {
 
     #[test]
     fn all_leaves_of_equal_vectors_are_one() {
-        let book = Codebook::new(&[1.0; 40], 4, 8);
-        assert_eq!(book.leaves, 1);
-        let two = Codebook::new(&[0.0, 0.0, 1.0, 1.0], 2, 8);
+        assert_eq!(book(&[1.0; 40], 4, 8).leaves, 1);
+        let two = book(&[0.0, 0.0, 1.0, 1.0], 2, 8);
         assert_eq!(two.leaves, 2);
-        let leaf = two.encode(&[0.9, 0.8]).0;
-        assert_eq!(two.nearest(&[0.0, 0.0, 1.0, 1.0], leaf, &[0.9, 0.8]), 1);
+        let search = |vector: [f32; 2], known| two.search(&[0.0, 0.0, 1.0, 1.0], &vector, known, |_, d| d).0;
+        assert_eq!(search([0.9, 0.8], None), 1);
+        assert_eq!(search([0.9, 0.2], Some(&[0.0, 1.0])), 0);
+        assert_eq!(search([0.9, 0.2], Some(&[1.0, 0.0])), 1);
+        let one = book(&[0.0, 0.0, 1.0, 1.0], 2, 1);
+        assert_eq!(
+            one.search(&[0.0, 0.0, 1.0, 1.0], &[0.9, 0.8], None, |m, d| if m == 1 { 9.0 } else { d }).0,
+            0
+        );
+        assert!(matches!(
+            Codebook::new(&[0.0, 1.0], 1, 2, &mut || Err(vtex_base::Error::Interrupted)),
+            Err(vtex_base::Error::Interrupted)
+        ));
     }
 }
