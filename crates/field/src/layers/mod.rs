@@ -25,6 +25,7 @@ mod outlines;
 mod picture;
 mod refine;
 mod regions;
+mod separation;
 mod sketched;
 mod terrain;
 mod whole_elements;

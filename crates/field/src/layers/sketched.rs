@@ -15,7 +15,7 @@ use vtex_base::progress::Progress;
 use vtex_base::raster::check_size;
 
 /// Distance by which a border may leave its painted place, as a share of the half width of what it bounds.
-const SHARE: f32 = 0.25;
+const SHARE: f32 = 0.2;
 /// A cell is painted if one of so many pixels is: a stroke narrower than a cell has no gaps.
 const PARTS: usize = 8;
 
