@@ -167,9 +167,10 @@ fn what_is_too_thin_is_left_and_counted() {
     for action in [vary(None, Some(0.3)), shuffle(false), shuffle(true)] {
         let (after, outcomes) = edited(&before, &[action.into()]);
         assert_eq!(outcomes[0].thin, 2);
-        for k in [3, 4] {
-            assert_eq!(after.primary()[k].transform, before.primary()[k].transform);
-            assert_eq!(after.element(&after.primary()[k]), before.element(&before.primary()[k]));
+        for own in [3, 4].map(|k| &before.primary()[k]) {
+            let same = after.primary().iter().find(|i| i.id == own.id).unwrap();
+            assert_eq!(same.transform, own.transform);
+            assert_eq!(after.element(same), before.element(own));
         }
     }
 }
@@ -242,6 +243,49 @@ fn relaxing_evens_distances() {
     heap.secondary_mut().iter_mut().take(20).for_each(|i| i.transform = [1.0, 0.0, 0.0, 1.0, 50.0, 50.0]);
     let parted = edited(&heap, &[on("secondary", relax(200, Some(8.0)))]).0;
     assert!(nearest(&parted, parted.secondary()) > 7.0);
+}
+
+#[test]
+fn what_is_relaxed_in_a_place_stays_there_and_becomes_even() {
+    // Three quarters of the secondaries lie in the left third.
+    let mut dense = scene();
+    let [width, height] = [f64::from(dense.width), f64::from(dense.height)];
+    let mut random = stream(1, "test/relax", 0);
+    for (k, instance) in dense.secondary_mut().iter_mut().enumerate() {
+        let x = if k % 4 == 0 { random.range(width / 3.0, width) } else { random.range(0.0, width / 3.0) };
+        (instance.transform[4], instance.transform[5]) = (x, random.range(0.0, height));
+    }
+    let left = |i: &Instance| i.transform[4] < width / 3.0;
+    let count = dense.secondary().iter().filter(|i| left(i)).count();
+    let relax = Action::Relax { rounds: 60, strength: 0.5, minimum_distance: None };
+    let place = compare(Quantity::X, Comparison::Less, width / 3.0);
+    let after = edited(&dense, &[Operation { layer: Some("secondary".into()), ..those(&[place], relax) }]).0;
+    for (old, new) in dense.secondary().iter().zip(after.secondary()) {
+        assert_eq!(left(old), left(new));
+        assert!(left(old) || old == new);
+    }
+    let alone = |scene: &Scene| {
+        let mut scene = scene.clone();
+        scene.secondary_mut().retain(left);
+        nearest(&scene, scene.secondary())
+    };
+    let lattice = 1.0746 * libm::sqrt(width / 3.0 * height / count as f64);
+    let (before, after) = (alone(&dense), alone(&after));
+    assert!(before < 0.2 * lattice && after > 0.4 * lattice, "{before} {after} {lattice}");
+}
+
+#[test]
+fn what_would_become_too_thin_is_counted() {
+    let mut flat = scene();
+    let id = flat.primary()[0].id;
+    for instance in flat.primary_mut() {
+        let [.., x, y] = instance.transform;
+        let thin = if instance.id == id { 0.3 } else { 1.0 };
+        instance.transform = [1.0, 0.0, 0.0, thin, x, y];
+    }
+    let (after, outcomes) = edited(&flat, &[on("primary", vary(None, Some(3.0)))]);
+    let of = |scene: &Scene| scene.primary().iter().find(|i| i.id == id).cloned();
+    assert_eq!((outcomes[0].thin, of(&after)), (1, of(&flat)));
 }
 
 #[test]

@@ -27,6 +27,7 @@ mod style;
 mod tests;
 mod textons;
 mod thin;
+mod uncovering;
 mod validate;
 mod vary;
 
@@ -42,7 +43,7 @@ use amount::{Amount, ColourByPlace};
 use hatch::Pen;
 use propagate::Propagated;
 use relax::Relaxing;
-use selection::Chosen;
+use selection::{Chosen, ChosenPlaces};
 use serde::Serialize;
 use vtex_base::document::Document;
 use vtex_base::error::{EditFault, Error, Result};
@@ -59,7 +60,7 @@ pub struct Outcome {
     /// Number of textons that it removed.
     pub removed: usize,
     /// Number of textons that it left unchanged because they have no frame: they are at most a pixel wide or
-    /// enclose no area.
+    /// enclose no area, or would become so.
     #[serde(skip_serializing_if = "is_zero")]
     pub thin: usize,
 }
@@ -118,7 +119,7 @@ pub fn apply(
         let before = scene.count();
         let draw = Draw { seed, step: scene.edits.len() as u64 };
         let AppliedCounts { matched, thin } =
-            act(&mut scene, &chosen, &operation.action, files, &draw).map_err(fail)?;
+            act(&mut scene, &chosen, operation, files, &draw).map_err(fail)?;
         scene.drop_unused();
         let removed = before - scene.count();
         scene.edits.push(EditRecord { operation: Recorded::Edit(operation.clone()), seed });
@@ -128,16 +129,16 @@ pub fn apply(
     Ok((scene, outcomes))
 }
 
-/// Applies an action.
+/// Applies the action of an operation.
 fn act(
     scene: &mut Scene,
     chosen: &Chosen,
-    action: &Action,
+    operation: &Operation,
     files: &Files,
     draw: &Draw,
 ) -> Result<AppliedCounts, EditFault> {
     let mut thin = 0;
-    match action {
+    match &operation.action {
         Action::Thin { keep, order, minimum_area } => {
             thin::thin(scene, chosen, *keep, *order, *minimum_area, draw);
         }
@@ -160,7 +161,8 @@ fn act(
         }
         Action::Jitter(jitter) => jitter::jitter(scene, chosen, jitter, draw),
         Action::Relax { rounds, strength, minimum_distance } => {
-            let how = Relaxing { rounds: *rounds, strength: *strength, minimum: *minimum_distance };
+            let places = ChosenPlaces::new(operation, files)?;
+            let how = Relaxing { rounds: *rounds, strength: *strength, minimum: *minimum_distance, places };
             relax::relax(scene, chosen, &how);
         }
         Action::Propagate { drawing, element, fill, of, similar, replace } => {

@@ -1,8 +1,8 @@
 //! Elements moved apart, so that the distances between them become even.
 
 use super::place::put;
-use super::selection::Chosen;
-use vtex_base::geometry::{Affine, NearPoints, Point, Vec2, shortest_offset};
+use super::selection::{Chosen, ChosenPlaces};
+use vtex_base::geometry::{Affine, NearPoints, Point, Vec2, shortest_offset, wrapped};
 use vtex_base::parallel;
 use vtex_scene::scene::Scene;
 
@@ -13,27 +13,33 @@ const LATTICE: f64 = 1.074_569_93;
 const MOST_NEIGHBOURS: u32 = 64;
 
 /// How elements are moved.
-pub(super) struct Relaxing {
+pub(super) struct Relaxing<'a> {
     pub(super) rounds: u32,
     /// Share of the missing distance that is moved in each round.
     pub(super) strength: f64,
     /// Least distance of elements; by default that of a hexagonal lattice of equally many elements.
     pub(super) minimum: Option<f64>,
+    /// The places that elements are moved within, if not the whole canvas.
+    pub(super) places: Option<ChosenPlaces<'a>>,
 }
 
 /// Moves the selected elements of each layer away from neighbours nearer than the least distance: in each
 /// round by half of the mean missing distance, all at the same time. Elements that are not selected do not
-/// move, but push others. Elements whose centres lie on the canvas stay on it.
-pub(super) fn relax(scene: &mut Scene, chosen: &Chosen, how: &Relaxing) {
+/// move, but push others. Elements whose centres lie on the canvas stay on it, and those of `places` stay
+/// there; the lattice is then that of the elements in these places.
+pub(super) fn relax(scene: &mut Scene, chosen: &Chosen, how: &Relaxing<'_>) {
     let (periods, size) = (scene.periods(), [f64::from(scene.width), f64::from(scene.height)]);
-    let plane = RelaxedCanvas { periods, size };
+    let places = how.places.as_ref();
+    let plane = RelaxedCanvas { periods, size, places };
+    let area = size[0] * size[1] * places.map_or(1.0, |places| places.share(size));
     for k in 0..scene.layers.len() {
         let moves = &chosen.layers[k].instances;
         let before: Vec<Point> = scene.layers[k].instances.iter().map(|i| scene.place(i)).collect();
         if before.is_empty() || !moves.contains(&true) {
             continue;
         }
-        let lattice = LATTICE * libm::sqrt(size[0] * size[1] / before.len() as f64);
+        let count = before.iter().filter(|p| places.is_none_or(|places| places.hold(**p))).count();
+        let lattice = LATTICE * libm::sqrt(area / count.max(1) as f64);
         // No arrangement of equally many points has twice the distance of a lattice.
         let distance = how.minimum.map_or(lattice, |least| least.min(2.0 * lattice));
         if distance <= 0.0 {
@@ -54,13 +60,15 @@ pub(super) fn relax(scene: &mut Scene, chosen: &Chosen, how: &Relaxing) {
     }
 }
 
-/// Size and periods of the canvas on which elements are moved.
-struct RelaxedCanvas {
+/// The canvas on which elements are moved.
+struct RelaxedCanvas<'a> {
     periods: [Option<f64>; 2],
     size: [f64; 2],
+    /// The places that elements do not leave.
+    places: Option<&'a ChosenPlaces<'a>>,
 }
 
-impl RelaxedCanvas {
+impl RelaxedCanvas<'_> {
     /// One round. Returns whether any point has moved.
     fn spread(&self, at: &mut [Point], moves: &[bool], distance: f64, strength: f64) -> bool {
         // Points far beyond the canvas must not make the cells of the index large.
@@ -111,12 +119,17 @@ impl RelaxedCanvas {
         Point::new(along(p.x, 0), along(p.y, 1))
     }
 
-    /// A point moved onto the canvas along axes that do not repeat.
+    /// A point moved onto the canvas along axes that do not repeat, and along the border of the places where
+    /// it would leave them.
     fn kept(&self, from: Point, to: Point) -> Point {
         let along = |from: f64, to: f64, k: usize| match self.periods[k] {
             None if (0.0..=self.size[k]).contains(&from) => to.clamp(0.0, self.size[k]),
             _ => to,
         };
-        Point::new(along(from.x, to.x, 0), along(from.y, to.y, 1))
+        let to = Point::new(along(from.x, to.x, 0), along(from.y, to.y, 1));
+        let Some(places) = self.places else { return to };
+        let ways = [to, Point::new(to.x, from.y), Point::new(from.x, to.y)];
+        let on_canvas = |p: &Point| Point::new(wrapped(p.x, self.periods[0]), wrapped(p.y, self.periods[1]));
+        ways.into_iter().find(|p| places.hold(on_canvas(p))).unwrap_or(from)
     }
 }

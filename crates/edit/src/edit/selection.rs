@@ -96,6 +96,41 @@ impl Chosen {
     }
 }
 
+/// The places that an operation is restricted to.
+pub(super) struct ChosenPlaces<'a> {
+    conditions: Vec<Test<'a>>,
+}
+
+impl<'a> ChosenPlaces<'a> {
+    /// Samples of the canvas along each axis.
+    const SAMPLES: u32 = 256;
+
+    /// The places of an operation; `None` if it has no condition about places.
+    pub(super) fn new(operation: &'a Operation, files: &'a Files) -> Result<Option<Self>, EditFault> {
+        let conditions = operation.conditions.iter().filter_map(|condition| match condition {
+            Condition::Place { shape, .. } => Some(files.shape(shape).map(|shape| (condition, Some(shape)))),
+            Condition::Compare { quantity: Quantity::X | Quantity::Y, .. } => Some(Ok((condition, None))),
+            Condition::Among { .. } | Condition::Compare { .. } => None,
+        });
+        let conditions = conditions.collect::<Result<Vec<Test<'_>>, EditFault>>()?;
+        Ok((!conditions.is_empty()).then_some(Self { conditions }))
+    }
+
+    /// Whether a point of the canvas is one of the places.
+    pub(super) fn hold(&self, at: Point) -> bool {
+        self.conditions.iter().all(|c| holds_of_point(*c, at))
+    }
+
+    /// Their share of a canvas of this size, 0 to 1.
+    pub(super) fn share(&self, size: [f64; 2]) -> f64 {
+        let count = Self::SAMPLES;
+        let at = |k: usize, i: u32| (f64::from(i) + 0.5) * size[k] / f64::from(count);
+        let rows = (0..count).flat_map(|y| (0..count).map(move |x| [x, y]));
+        let held = rows.filter(|[x, y]| self.hold(Point::new(at(0, *x), at(1, *y)))).count();
+        held as f64 / f64::from(count * count)
+    }
+}
+
 /// Whether a name denotes a layer: its own name, that of its role, or that of its stratum. The name of a
 /// layer is that of its stratum with its role appended. Case does not matter, because editors show names with
 /// a capital letter.

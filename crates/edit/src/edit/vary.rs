@@ -4,6 +4,7 @@ use super::amount::Amount;
 use super::groups::groups;
 use super::place::draw_as;
 use super::selection::Chosen;
+use super::uncovering::uncovering;
 use vtex_base::geometry::Lower;
 use vtex_base::raster::oklab_map::OklabMap;
 use vtex_scene::element::Gaussian;
@@ -36,8 +37,9 @@ pub(super) fn colours(scene: &mut Scene, chosen: &Chosen, factor: &Amount<'_>, w
 }
 
 /// Scales the deviation of each texton's covariance from the mean of its group: with U = L·Lᵀ, the mean Ū =
-/// L̄·L̄ᵀ and W = L·L̄⁻¹, it becomes Wᵗ·Ū·(Wᵗ)ᵀ. Centres do not move. Returns the number of textons that are
-/// too thin and stay unchanged.
+/// L̄·L̄ᵀ and W = L·L̄⁻¹, it becomes Wᵗ·Ū·(Wᵗ)ᵀ. Centres do not move. Textons that grow are painted before the smaller
+/// ones that they now overlap. Returns the number of textons that stay unchanged because they are too thin, or would
+/// become so.
 pub(super) fn shapes(scene: &mut Scene, chosen: &Chosen, factor: &Amount<'_>, within: Within) -> usize {
     let gaussians = scene.gaussians();
     let factors: Vec<f64> = scene.instances().map(|i| factor.factor(scene, i)).collect();
@@ -60,14 +62,24 @@ pub(super) fn shapes(scene: &mut Scene, chosen: &Chosen, factor: &Amount<'_>, wi
                 let away = root.times(middle.inverse()).power(factors[i]);
                 let target = own.with(away.map(mean), own.direction);
                 targets[i] = Some(target).filter(|t| !t.is_degenerate());
+                thin += usize::from(targets[i].is_none());
             }
         }
     }
     let periods = scene.periods();
-    for ((instance, own), target) in scene.instances_mut().zip(&gaussians).zip(targets) {
+    for ((instance, own), target) in scene.instances_mut().zip(&gaussians).zip(&targets) {
         if let (Some(own), Some(target)) = (own, target) {
             let was = instance.clone();
-            draw_as(instance, &was, own, &target, periods);
+            draw_as(instance, &was, own, target, periods);
+        }
+    }
+    let mut first = 0;
+    for layer in &mut scene.layers {
+        let own = first..first + layer.instances.len();
+        first = own.end;
+        let order = uncovering(&gaussians[own.clone()], &targets[own], periods);
+        if !order.is_sorted() {
+            layer.instances = order.into_iter().map(|i| layer.instances[i].clone()).collect();
         }
     }
     thin

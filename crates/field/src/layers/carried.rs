@@ -79,21 +79,28 @@ impl LayerExemplar<'_> {
         let cells = size.map(|v| v.div_ceil(cell));
         let request = CanvasRequest { pages: &[page], size: cells, wrap, groups: None, active: None, seed };
         let field = find(&request, progress)?;
-        let pixel = pixel_of(self.map.size());
-        Ok(self.copied(&Carrier::filling(&field, cell, size, &pixel), depths))
+        let carrier = Carrier::filling(&field, cell, size, pixel_of(self.map.size()));
+        Ok(self.copied(&carrier, depths))
     }
 
     /// Makes a new map along a given field, with the areas of the exemplar. It repeats along the axes of the field.
     ///
     /// # Errors
     /// [`vtex_base::Error::Control`] if the exemplar's map has one layer.
-    pub fn along(&self, carrier: &Carrier<'_>) -> Result<LayerMap> {
+    pub fn along(
+        &self,
+        carrier: &Carrier<'_, impl Fn(usize, [i64; 2]) -> Option<usize> + Sync>,
+    ) -> Result<LayerMap> {
         self.check()?;
         Ok(self.copied(carrier, self.depths()))
     }
 
     /// A map of the exemplar's depths, copied along a field.
-    fn copied(&self, carrier: &Carrier<'_>, depths: Vec<Vec<f32>>) -> LayerMap {
+    fn copied(
+        &self,
+        carrier: &Carrier<'_, impl Fn(usize, [i64; 2]) -> Option<usize> + Sync>,
+        depths: Vec<Vec<f32>>,
+    ) -> LayerMap {
         let (size, wrap) = (carrier.canvas, carrier.field.wrap);
         let planes = carrier.voted(&depths, size, 1, 0.6);
         let depths = Depths { size, wrap, grid: size, planes };

@@ -4,7 +4,7 @@ use crate::correspondence::CorrespondenceField;
 use vtex_base::parallel;
 
 /// A correspondence field over the pixels of a canvas and of its exemplar.
-pub struct Carrier<'a> {
+pub struct Carrier<'a, P> {
     /// The field.
     pub field: &'a CorrespondenceField,
     /// Side of a cell of the exemplar, in pixels.
@@ -16,7 +16,7 @@ pub struct Carrier<'a> {
     /// Size of the canvas, in pixels.
     pub canvas: [usize; 2],
     /// The index of the exemplar's pixel at a pixel of a page; `None` if there is none.
-    pub pixel: &'a (dyn Fn(usize, [i64; 2]) -> Option<usize> + Sync),
+    pub pixel: P,
 }
 
 /// How a sample continues a cell near it, along one axis.
@@ -29,15 +29,10 @@ struct NearbyCell {
     weight: f32,
 }
 
-impl<'a> Carrier<'a> {
+impl<'a, P: Fn(usize, [i64; 2]) -> Option<usize> + Sync> Carrier<'a, P> {
     /// A field from an exemplar of one page that fills the canvas exactly: cells are slightly smaller where their size
     /// does not divide it.
-    pub(super) fn filling(
-        field: &'a CorrespondenceField,
-        cell: usize,
-        canvas: [usize; 2],
-        pixel: &'a (dyn Fn(usize, [i64; 2]) -> Option<usize> + Sync),
-    ) -> Self {
+    pub(super) fn filling(field: &'a CorrespondenceField, cell: usize, canvas: [usize; 2], pixel: P) -> Self {
         let pitch = [0, 1].map(|k| canvas[k] as f64 / field.size[k] as f64);
         Self { field, cell, pitch, margin: [0; 2], canvas, pixel }
     }
@@ -62,9 +57,9 @@ impl<'a> Carrier<'a> {
                 let mut total = 0.0;
                 for (across, down) in column.iter().flat_map(|c| rows[gy].iter().map(move |r| (c, r))) {
                     let source = self.field.sources[down.cell * self.field.size[0] + across.cell];
-                    let at = [across.away, down.away];
-                    let place = [0, 1]
-                        .map(|k| libm::floor((f64::from(source.at[k]) + at[k]) * self.cell as f64) as i64);
+                    let [u, v] = source.at.map(f64::from);
+                    let cell = self.cell as f64;
+                    let place = [whole((u + across.away) * cell), whole((v + down.away) * cell)];
                     let Some(pixel) = (self.pixel)(usize::from(source.page), place) else { continue };
                     let weight = across.weight * down.weight;
                     out.iter_mut().zip(planes).for_each(|(out, plane)| *out += weight * plane[pixel]);
@@ -97,6 +92,12 @@ impl<'a> Carrier<'a> {
     }
 }
 
+/// The largest integer that is not above `v`.
+fn whole(v: f64) -> i64 {
+    let towards_zero = v as i64;
+    towards_zero - i64::from(towards_zero as f64 > v)
+}
+
 /// The index of a pixel of the only page, which is an exemplar of `size` pixels.
 pub(super) fn pixel_of(size: [usize; 2]) -> impl Fn(usize, [i64; 2]) -> Option<usize> {
     move |_, [x, y]| {
@@ -117,19 +118,14 @@ mod tests {
     }
 
     /// The field over a canvas, in cells of 5 pixels.
-    fn over<'a>(
-        field: &'a CorrespondenceField,
-        canvas: [usize; 2],
-        pixel: &'a (dyn Fn(usize, [i64; 2]) -> Option<usize> + Sync),
-    ) -> Carrier<'a> {
+    fn over<P>(field: &CorrespondenceField, canvas: [usize; 2], pixel: P) -> Carrier<'_, P> {
         Carrier { field, cell: 5, pitch: [5.0; 2], margin: [0; 2], canvas, pixel }
     }
 
     #[test]
     fn a_field_that_moves_the_exemplar_copies_its_pixels() {
         let field = moved(false);
-        let pixel = pixel_of([20, 15]);
-        let carrier = over(&field, [20, 15], &pixel);
+        let carrier = over(&field, [20, 15], pixel_of([20, 15]));
         let plane: Vec<f32> = (0..300).map(|i| (i % 20) as f32).collect();
         let copied = carrier.voted(&[plane], [20, 15], 0, 1.0).swap_remove(0);
         // Away from the cell where the exemplar ends.
@@ -140,11 +136,16 @@ mod tests {
     #[test]
     fn cells_continue_across_a_seam() {
         let field = moved(true);
-        let pixel = pixel_of([20, 15]);
         // The last column of cells reaches beyond the canvas by two pixels.
-        let carrier = over(&field, [18, 15], &pixel);
+        let carrier = over(&field, [18, 15], pixel_of([20, 15]));
         let near = carrier.nearby(0, 0.5 / 18.0, 1, 1.0);
         let found: Vec<(usize, f64)> = near.iter().map(|n| (n.cell, n.away * 5.0)).collect();
         assert_eq!(found, [(3, 3.5), (0, 0.5), (1, -4.5)]);
+    }
+
+    #[test]
+    fn whole_numbers_are_below() {
+        let of = [-2.0, -1.2, -0.0, 0.0, 0.9, 7.0, 7.3].map(whole);
+        assert_eq!(of, [-2, -2, 0, 0, 0, 7, 7]);
     }
 }

@@ -1,7 +1,7 @@
 //! Finds the layers of a photograph: their number, their regions and their order.
 //!
 //! Regions come from k-means of blurred Oklab colours. Their borders are smoothed twice, and specks are
-//! joined to their surroundings. The measures in `extent` decide whether there are layers at all. Three
+//! joined to their surroundings. The measures in `extent` and `separation` decide whether there are layers at all. Three
 //! layers are kept if each of them is thick. The order is the one in which non-consecutive layers touch
 //! least. At last borders are drawn again on the pixels of the photograph (`refine`).
 
@@ -11,6 +11,7 @@ use super::map::{Contacts, LayerMap, MOST_LAYERS, shares};
 use super::names::named;
 use super::order::order;
 use super::refine::refined;
+use super::separation::Separation;
 use image::RgbImage;
 use vtex_base::error::{Error, Result, check};
 use vtex_base::kmeans::{cluster, nearest};
@@ -22,8 +23,9 @@ use vtex_base::sampling::stream;
 
 /// Longest shorter side, in pixels, of the picture in which layers are sought.
 const WORKING_SIDE: usize = 512;
-/// Weight of lightness relative to the two components of hue and chroma.
-const LIGHTNESS: f32 = 0.5;
+/// Weight of lightness relative to the two components of hue and chroma: first, and where two layers are then clearly
+/// apart in neither.
+const LIGHTNESS: [f32; 2] = [0.5, 0.25];
 /// Standard deviations of the blurs before and after clustering, as shares of the shorter side.
 const BLURS: [f32; 2] = [1.0 / 256.0, 1.0 / 128.0];
 /// Largest number of pixels that clusters are fitted to.
@@ -112,9 +114,10 @@ pub struct LayerSearch {
     factor: usize,
     planes: [Plane; 3],
     clustering: Clustering,
-    /// Two layers, if the colours allow them, and how thick they are.
+    /// Two layers, if the colours allow them, how thick they are, and how far apart their colours.
     pair: Option<LabelMap>,
     thick: f64,
+    apart: Separation,
 }
 
 impl LayerSearch {
@@ -127,11 +130,20 @@ impl LayerSearch {
         advance(progress, STAGE, 0, 4)?;
         let factor = size[0].min(size[1]).div_ceil(WORKING_SIDE);
         let planes = oklab_planes(image, factor);
-        let clustering = Clustering::new(&planes, seed);
+        let divided = |lightness: f32| {
+            let clustering = Clustering::new(&planes, seed, lightness);
+            let pair = clustering.split(2);
+            let apart = pair.as_ref().map_or_else(Separation::default, |map| Separation::new(map, &planes));
+            (clustering, pair, apart)
+        };
+        let mut found = divided(LIGHTNESS[0]);
         advance(progress, STAGE, 1, 4)?;
-        let pair = clustering.split(2);
+        if found.1.is_some() && !found.2.is_clear() {
+            found = divided(LIGHTNESS[1]);
+        }
+        let (clustering, pair, apart) = found;
         let thick = pair.as_ref().map_or(0.0, |map| thickness(map, 2));
-        Ok(Self { size, factor, planes, clustering, pair, thick })
+        Ok(Self { size, factor, planes, clustering, pair, thick, apart })
     }
 
     /// The layers: [`find`] with the seed and the photograph of the search.
@@ -166,7 +178,7 @@ impl LayerSearch {
         advance(progress, STAGE, 3, 4)?;
 
         let order = order(&Contacts::new(&decided.0, decided.1, [false; 2]), &shares(&decided.0, decided.1));
-        let map = assembled(&decided.0, &order, planes, image, *factor);
+        let map = assembled(&decided.0, &order, (planes, *factor), image, clustering.lightness);
         let map = match &parameters.order {
             Some(order) => map.reordered(order)?,
             None => map,
@@ -207,6 +219,12 @@ impl LayerSearch {
             );
             return Ok((one(), 1, why));
         }
+        if pair.is_some() && !self.apart.is_of_material() {
+            let chroma = self.apart.chroma;
+            let why =
+                format!("the same material lies in light and shade ({chroma:.2} deviations of its hue)");
+            return Ok((one(), 1, why));
+        }
         let Some(pair) = pair.filter(|_| extent >= least) else {
             let why = format!(
                 "differences of colour are those of small elements and grain ({extent:.2}, layers {least} or more)"
@@ -238,13 +256,13 @@ impl LayerSearch {
 }
 
 /// The labels at the size of the photograph, in the given order, with mean colours and names. `planes` are those of
-/// the photograph reduced by `factor`, as `map` is.
+/// the photograph reduced by `factor`, as `map` is. `lightness` is the weight of lightness.
 fn assembled(
     map: &LabelMap,
     order: &[usize],
-    planes: &[Plane; 3],
+    (planes, factor): (&[Plane; 3], usize),
     image: &RgbImage,
-    factor: usize,
+    lightness: f32,
 ) -> LayerMap {
     let count = order.len();
     let mut rank = vec![0; count];
@@ -252,7 +270,7 @@ fn assembled(
     let labels = map.labels.iter().map(|&l| rank[l as usize]).collect();
     let map = LabelMap { labels, ..*map };
     let size = [image.width() as usize, image.height() as usize];
-    let labels = refined(&enlarged(&map, count, size, factor), count, image, LIGHTNESS);
+    let labels = refined(&enlarged(&map, count, size, factor), count, image, lightness);
     let colours = means(&subsampled(&labels, factor, planes[0].size), count, planes);
     let colours: Vec<Colour> = colours.into_iter().map(Colour::from_oklab).collect();
     LayerMap { labels, layers: named(&colours) }
@@ -274,17 +292,19 @@ struct Clustering {
     size: [usize; 2],
     points: Vec<[f64; 3]>,
     seed: u64,
+    /// Weight of lightness in the points.
+    lightness: f32,
 }
 
 impl Clustering {
-    fn new(planes: &[Plane; 3], seed: u64) -> Self {
+    fn new(planes: &[Plane; 3], seed: u64, lightness: f32) -> Self {
         let size = planes[0].size;
         let sigma = size[0].min(size[1]) as f32 * BLURS[0];
         let [l, a, b] = planes.each_ref().map(|plane| plane.blurred(sigma, [false; 2]));
         let points = (0..l.values.len())
-            .map(|i| [LIGHTNESS * l.values[i], a.values[i], b.values[i]].map(f64::from))
+            .map(|i| [lightness * l.values[i], a.values[i], b.values[i]].map(f64::from))
             .collect();
-        Self { size, points, seed }
+        Self { size, points, seed, lightness }
     }
 
     /// A single layer.

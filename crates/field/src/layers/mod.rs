@@ -25,6 +25,8 @@ mod outlines;
 mod picture;
 mod refine;
 mod regions;
+mod separation;
+mod sketched;
 mod terrain;
 mod whole_elements;
 

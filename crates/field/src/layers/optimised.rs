@@ -1,7 +1,6 @@
-//! New maps by boundary optimisation: without a start, around a sketch, and within a hole. Borders look
-//! like the exemplar's.
+//! New maps by boundary optimisation: without a start and within a hole. Borders look like the exemplar's.
 
-use super::boundary::{Job, Start, nested, outlined};
+use super::boundary::{Job, Start, nested};
 use super::carried::LayerExemplar;
 use super::map::{LayerMap, LayerRegion};
 use super::regions::{Depths, depth};
@@ -33,40 +32,6 @@ impl LayerExemplar<'_> {
         let labels =
             on_canvas(&made, size, wrap).labels(&self.map.shares(), self.most_distant(), self.speck());
         Ok(self.map.with(labels))
-    }
-
-    /// Makes a map around a sketch, which has labels where it is painted. Painted shapes keep their place
-    /// and area and get borders like the exemplar's. Lower layers surround them as widely as in the
-    /// exemplar, and the bottom layer fills the rest (the paper, fig. 12).
-    ///
-    /// # Errors
-    /// [`Error::Control`] if nothing is painted above the bottom layer, or the map has one layer;
-    /// [`Error::Interrupted`].
-    pub fn sketched(
-        &self,
-        sketch: &[Option<u32>],
-        size: [usize; 2],
-        wrap: [bool; 2],
-        seed: u64,
-        progress: &dyn Progress,
-    ) -> Result<LayerMap> {
-        self.check()?;
-        check_size(size)?;
-        let count = self.map.layers.len();
-        if sketch.len() != size[0] * size[1] || sketch.iter().flatten().all(|&l| l == 0) {
-            return Err(Error::Control {
-                name: "the sketch".into(),
-                role: "a sketch of layers",
-                reason: "nothing is painted in the colour of a layer above the bottom one".into(),
-                advice: "paint strokes in the colours of the layers on a transparent or white background",
-            });
-        }
-        let cells = size.map(|v| v.div_ceil(self.cell()));
-        let painted: Vec<LayerRegion> =
-            (1..count).map(|k| covered(sketch, size, cells, wrap, k as u32)).collect();
-        let made = outlined(&self.regions(), &painted, seed, progress)?;
-        let shares = shares_of(&made);
-        Ok(self.map.with(on_canvas(&made, size, wrap).labels(&shares, self.most_distant(), 0)))
     }
 
     /// Takes a map made by hand, with its own labels and areas. Where non-consecutive layers touch more than
@@ -143,7 +108,7 @@ impl LayerExemplar<'_> {
     }
 
     /// The regions from S_1 up, by cell.
-    fn regions(&self) -> Vec<LayerRegion> {
+    pub(super) fn regions(&self) -> Vec<LayerRegion> {
         let cells = self.map.size().map(|v| (v / self.cell()).max(1));
         regions_of(&self.map.labels, self.map.layers.len(), cells, [false; 2])
     }
@@ -158,7 +123,7 @@ pub(super) fn regions_of(
 ) -> Vec<LayerRegion> {
     let size = [map.width as usize, map.height as usize];
     let labels: Vec<Option<u32>> = map.labels.iter().map(|&l| Some(l)).collect();
-    (1..count).map(|k| covered(&labels, size, cells, wrap, k as u32)).collect()
+    (1..count).map(|k| covered(&labels, size, (cells, 2), wrap, k as u32)).collect()
 }
 
 /// Share of each layer and all above it, from S_1 up.
@@ -180,11 +145,11 @@ fn pixels(size: [usize; 2], cells: [usize; 2], cell: usize) -> [std::ops::Range<
     [0, 1].map(|k| at[k] * size[k] / cells[k]..((at[k] + 1) * size[k]).div_ceil(cells[k]))
 }
 
-/// The cells in which at least half of the pixels have a label of `least` or more.
-fn covered(
+/// The cells in which at least one of `parts` pixels has a label of `least` or more.
+pub(super) fn covered(
     labels: &[Option<u32>],
     size: [usize; 2],
-    cells: [usize; 2],
+    (cells, parts): ([usize; 2], usize),
     wrap: [bool; 2],
     least: u32,
 ) -> LayerRegion {
@@ -193,7 +158,7 @@ fn covered(
             let [xs, ys] = pixels(size, cells, cell);
             let all = xs.len() * ys.len();
             let inside = ys.flat_map(|y| xs.clone().map(move |x| y * size[0] + x));
-            2 * inside.filter(|&i| labels[i].is_some_and(|l| l >= least)).count() >= all
+            parts * inside.filter(|&i| labels[i].is_some_and(|l| l >= least)).count() >= all
         })
         .collect();
     LayerRegion { size: cells, wrap, inside }
@@ -207,12 +172,13 @@ fn touched(set: &[bool], size: [usize; 2], cells: [usize; 2], cell: usize) -> bo
 
 /// Depths of regions of cells on a canvas of pixels.
 pub(super) fn on_canvas(regions: &[LayerRegion], size: [usize; 2], wrap: [bool; 2]) -> Depths {
-    let soft = |region: &LayerRegion| {
-        let plane = Plane { size: region.size, values: depth(region) };
-        plane.blurred(0.6, wrap).values
-    };
     let grid = regions.first().map_or([1; 2], |r| r.size);
-    Depths { size, wrap, grid, planes: regions.iter().map(soft).collect() }
+    Depths { size, wrap, grid, planes: regions.iter().map(soft_depth).collect() }
+}
+
+/// The depth of each cell in a region, without the steps of cells.
+pub(super) fn soft_depth(region: &LayerRegion) -> Vec<f32> {
+    Plane { size: region.size, values: depth(region) }.blurred(0.6, region.wrap).values
 }
 
 /// Combines `keep` outside a hole with `made` inside, and smooths the transition.
@@ -266,31 +232,6 @@ mod tests {
         }
         let own = Contacts::new(&made.labels, 3, [true; 2]).distant();
         assert!(own <= LayerExemplar { map: &map, photograph: None }.most_distant(), "{own}");
-    }
-
-    #[test]
-    fn a_sketch_is_kept_and_surrounded() {
-        let map = exemplar(3, 2);
-        let size = [200, 200];
-        let stroke = |i: usize| {
-            let d = [(i % 200) as f64 - 100.0, (i / 200) as f64 - 95.0];
-            (libm::sqrt(d[0] * d[0] + d[1] * d[1]) - 60.0).abs() < 7.0
-        };
-        let sketch: Vec<Option<u32>> = (0..200 * 200).map(|i| stroke(i).then_some(2)).collect();
-        let made = LayerExemplar { map: &map, photograph: None }
-            .sketched(&sketch, size, [false; 2], 1, &())
-            .unwrap();
-        let top = |i: usize| made.labels.labels[i] == 2;
-        let both = (0..40_000).filter(|&i| top(i) && stroke(i)).count() as f64;
-        let either = (0..40_000).filter(|&i| top(i) || stroke(i)).count() as f64;
-        assert!(both / either >= 0.7, "{}", both / either);
-        let contacts = Contacts::new(&made.labels, 3, [false; 2]);
-        assert!(contacts.between(0, 1) > 0 && contacts.between(1, 2) > 0);
-        assert!(contacts.distant() < 0.02, "{}", contacts.distant());
-        let nothing = vec![None; 40_000];
-        let refused =
-            LayerExemplar { map: &map, photograph: None }.sketched(&nothing, size, [false; 2], 1, &());
-        assert!(matches!(refused, Err(Error::Control { .. })));
     }
 
     #[test]

@@ -136,7 +136,7 @@ impl Depths {
     }
 
     /// Enlarges a plane to the pixels of the canvas by linear interpolation.
-    fn enlarged(&self, plane: &[f32]) -> Vec<f32> {
+    pub(super) fn enlarged(&self, plane: &[f32]) -> Vec<f32> {
         let [w, h] = self.size;
         if self.grid == self.size {
             return plane.to_vec();
@@ -166,7 +166,7 @@ impl Depths {
 }
 
 /// The four pixels adjacent to a pixel, across seams; `None` beyond a border.
-fn around(i: usize, [w, h]: [usize; 2], wrap: [bool; 2]) -> [Option<usize>; 4] {
+pub(super) fn around(i: usize, [w, h]: [usize; 2], wrap: [bool; 2]) -> [Option<usize>; 4] {
     let [x, y] = [i % w, i / w];
     [
         if x > 0 { Some(i - 1) } else { wrap[0].then_some(i + w - 1) },

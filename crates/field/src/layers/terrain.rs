@@ -117,8 +117,7 @@ impl Terrain {
         let own = Plane { size: self.size, values: self.heights.clone() };
         let coarse = own.blurred(1.5 * cell as f32, [false; 2]);
         let fine: Vec<f32> = own.values.iter().zip(&coarse.values).map(|(a, b)| a - b).collect();
-        let pixel = pixel_of(self.size);
-        let carrier = Carrier::filling(&field, cell, size, &pixel);
+        let carrier = Carrier::filling(&field, cell, size, pixel_of(self.size));
         // Wide blending keeps slopes continuous across islands; narrow blending keeps the contrast of grain.
         let low = carrier.voted(&[coarse.values], size, 2, 1.25).swap_remove(0);
         let high = carrier.voted(&[fine], size, 1, 0.5).swap_remove(0);

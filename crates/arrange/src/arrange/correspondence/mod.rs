@@ -264,7 +264,7 @@ impl Correspondence {
         let width = exemplar.size()[0];
         let pixel = |page: usize, at: [i64; 2]| {
             let sheet = &self.pages.sheets[page];
-            let [x, y] = sheet.exemplar(model, at.map(|v| v as i32))?;
+            let [x, y] = sheet.exemplar(model, [at[0] as i32, at[1] as i32])?;
             Some(y as usize * width + x as usize)
         };
         let carrier = Carrier {
@@ -273,7 +273,7 @@ impl Correspondence {
             pitch: [f64::from(self.pages.cell); 2],
             margin: self.margin.map(|v| v as usize),
             canvas: canvas.map(|v| v as usize),
-            pixel: &pixel,
+            pixel,
         };
         LayerExemplar { map: exemplar, photograph: None }.along(&carrier)
     }

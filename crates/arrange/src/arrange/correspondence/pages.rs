@@ -184,8 +184,8 @@ impl PixelMap {
         if self.wrap {
             return Some([at[0].rem_euclid(self.size[0]), at[1].rem_euclid(self.size[1])]);
         }
-        let inside = (0..2).all(|k| (0..self.size[k]).contains(&at[k]));
-        inside.then_some(at)
+        let is_inside = (0..self.size[0]).contains(&at[0]) && (0..self.size[1]).contains(&at[1]);
+        is_inside.then_some(at)
     }
 
     /// Place of the exemplar → place on the page; the one nearest to `near` if the exemplar wraps.

@@ -43,7 +43,30 @@ fn counted(outline: &Outline, gaussian: &Gaussian) -> ([f64; 3], f64) {
 
 fn middle(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
-    values[values.len() / 2]
+    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+}
+
+/// The area of an outline as a share of that of its convex hull.
+fn solidity(outline: &Outline) -> f64 {
+    let mut points: Vec<Point> = outline.polygons(0.1).into_iter().flatten().collect();
+    points.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
+    let chain = |points: &mut dyn Iterator<Item = Point>| {
+        let mut hull: Vec<Point> = Vec::new();
+        for p in points {
+            while let [.., a, b] = hull[..]
+                && (b - a).cross(p - b) <= 0.0
+            {
+                hull.pop();
+            }
+            hull.push(p);
+        }
+        hull
+    };
+    let [lower, upper] = [chain(&mut points.iter().copied()), chain(&mut points.iter().rev().copied())];
+    let hull: Vec<Point> = lower.into_iter().chain(upper).collect();
+    let pairs = hull.iter().zip(hull.iter().cycle().skip(1));
+    let area = pairs.map(|(a, b)| a.to_vec2().cross(b.to_vec2())).sum::<f64>() / 2.0;
+    outline.area().abs() / area
 }
 
 fn edited(scene: &Scene, action: Action) -> Scene {
@@ -85,20 +108,27 @@ fn figures() {
         let elements = own.individuals().map(|i| own.element(i)).take(200);
         let pairs =
             elements.filter_map(|e| Some((e.outline(), e.gaussian()?))).filter(|(_, g)| !g.is_degenerate());
-        let counts: Vec<(f64, f64)> = pairs
+        let counts: Vec<(f64, (f64, bool))> = pairs
             .map(|(outline, g)| {
                 let (counted, overlap) = counted(outline, &g);
                 let trace = g.covariance[0] + g.covariance[2];
                 let off = counted.iter().zip(g.covariance).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-                (off / trace, overlap)
+                (off / trace, (overlap, solidity(outline) >= 0.9))
             })
             .collect();
-        let (off, overlap): (Vec<f64>, Vec<f64>) = counts.into_iter().unzip();
+        let (off, overlaps): (Vec<f64>, Vec<(f64, bool)>) = counts.into_iter().unzip();
+        let of =
+            |solid: bool| -> Vec<f64> { overlaps.iter().filter(|o| o.1 == solid).map(|o| o.0).collect() };
         println!(
-            "{name}: N1 moments differ by {:.4} (median) and {:.4} (at most), overlap with the ellipse {:.3}",
+            "{name}: N1 moments differ by {:.4} (median) and {:.4} (at most), overlap with the ellipse {:.3}; \
+             of {} shapes that fill their hull {:.3}, of {} others {:.3}",
             middle(off.clone()),
             off.iter().copied().fold(0.0, f64::max),
-            middle(overlap)
+            middle(overlaps.iter().map(|o| o.0).collect()),
+            of(true).len(),
+            middle(of(true)),
+            of(false).len(),
+            middle(of(false))
         );
         let shuffled = edited(&own, Action::Shuffle { within: Within::Layer, share: 1.0, outlines: false });
         let same_outlines = own.instances().zip(shuffled.instances()).all(|(a, b)| {
