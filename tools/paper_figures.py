@@ -103,6 +103,7 @@ def main():
     parser.add_argument("--sheets", type=pathlib.Path)
     options = parser.parse_args()
     program = shutil.which(options.vtex) or sys.exit(f"no program {options.vtex}")
+    program = str(pathlib.Path(program).resolve())
     folder = options.folder.resolve()
     folder.mkdir(parents=True, exist_ok=True)
     for pattern in EXAMPLES:
