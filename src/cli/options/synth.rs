@@ -90,8 +90,9 @@ pub(crate) struct SynthFlags {
     #[arg(value_parser = one_of(&["keep", "clip", "avoid"], named::<Edge>))]
     pub(crate) edge: Option<Edge>,
     /// Leave parts of the method out, to see what they do: secondary, overlap, density, decay,
-    /// improve, growth, removal, copies, seeds, neighbourhoods, matching; of clusters also shape-context, link, shape, switch, merge, split, depth;
-    /// of curves also edge, robust, orientation, existence, patches, mend [default: none]
+    /// improve, growth, removal, copies, seeds, neighbourhoods, matching; of clusters also
+    /// shape-context, link, shape, switch, merge, split, depth; of curves also edge, robust,
+    /// orientation, existence, patches, mend [default: none]
     #[arg(long, value_name = "PART,...", value_parser = one_of(&PARTS, named::<Ablation>), value_delimiter = ',')]
     #[arg(hide_possible_values = true)]
     pub(crate) ablate: Option<Vec<Ablation>>,
