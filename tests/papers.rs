@@ -2,9 +2,9 @@
 //! and each paper has a sheet of pictures. The commands themselves are run by `tools/paper_figures.py`.
 #![cfg(all(unix, feature = "cli", feature = "clustered", feature = "curves"))]
 
+use super::cli::support::{vtex, words};
 use super::pages::{files, read, root};
 use std::collections::BTreeSet;
-use std::process::Command;
 
 /// Largest size of a sheet, in bytes.
 const LARGEST: u64 = 200_000;
@@ -21,23 +21,13 @@ fn commands(part: &str) -> Vec<String> {
     blocks.chain(cells).filter(|text| text.starts_with("vtex ")).map(Into::into).collect()
 }
 
-/// The words of a command. Single quotes keep blanks.
-fn words(command: &str) -> Vec<String> {
-    let parts = command.split('\'').enumerate();
-    let split = parts.flat_map(|(k, part)| match k % 2 {
-        0 => part.split_whitespace().map(Into::into).collect(),
-        _ => vec![part.to_owned()],
-    });
-    split.collect()
-}
-
-fn vtex(arguments: &[String]) -> std::process::Output {
-    Command::new(env!("CARGO_BIN_EXE_vtex")).args(arguments).output().unwrap()
+fn run(arguments: &[String]) -> std::process::Output {
+    vtex().args(arguments).output().unwrap()
 }
 
 #[test]
 fn options_and_operations_exist() {
-    let list = vtex(&["edit".into(), "--list".into()]);
+    let list = run(&["edit".into(), "--list".into()]);
     let list = String::from_utf8(list.stdout).unwrap();
     let operations: BTreeSet<&str> = list
         .lines()
@@ -56,7 +46,7 @@ fn options_and_operations_exist() {
         words.remove(0);
         // With this the program reads its options and does nothing else.
         words.push("--dump-config".into());
-        let output = vtex(&words);
+        let output = run(&words);
         assert!(output.status.success(), "{command}\n{}", String::from_utf8_lossy(&output.stderr));
     }
 }

@@ -235,7 +235,7 @@ pub(crate) fn steering(folder: &Path) {
 }
 
 /// The words of a line of a shell: split at blanks, except within single quotes; a backslash before a quote keeps it.
-fn words(line: &str) -> Vec<String> {
+pub(crate) fn words(line: &str) -> Vec<String> {
     let (mut words, mut word, mut is_quoted) = (Vec::new(), None::<String>, false);
     let mut characters = line.chars().peekable();
     while let Some(c) = characters.next() {

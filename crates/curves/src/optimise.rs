@@ -104,8 +104,8 @@ pub struct CurveResult {
     pub measures: [CurveMeasures; 2],
 }
 
-/// Synthesises curves like those of an exemplar, given as their graph. `go_on` is asked between parts of the work. An exemplar without curves
-/// gives none.
+/// Synthesises curves like those of an exemplar, given as their graph. `go_on` is asked between parts of the work. An
+/// exemplar without curves gives none.
 ///
 /// # Errors
 /// [`Error::TooLarge`] for too many curves, [`Error::Parameter`] for curves that cannot go on where parts of the exemplar

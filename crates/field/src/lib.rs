@@ -3,3 +3,6 @@
 pub mod correspondence;
 pub mod layers;
 pub mod pixels;
+
+#[cfg(test)]
+mod photographs;

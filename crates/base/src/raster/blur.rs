@@ -1,6 +1,7 @@
 //! Gaussian blur of planes, and pictures made smaller.
 
 use super::colour::{Colour, linear};
+use super::continued;
 use crate::parallel;
 use image::RgbImage;
 use std::borrow::Cow;
@@ -78,11 +79,9 @@ pub fn convolve<const N: usize>(
     let half = period.map(|period| folded(half, period));
     let radius = half.each_ref().map(|half| half.len() - 1);
     // The column or row that is `i` steps after the one a radius before the first.
-    let source = |axis: usize, i: usize| -> usize {
-        let (first, n) = ([columns, rows][axis].start, sides[axis]);
-        let i =
-            (first as isize + i as isize - radius[axis] as isize).rem_euclid(period[axis] as isize) as usize;
-        if i < n { i } else { period[axis] - 1 - i }
+    let source = |axis: usize, i: usize| {
+        let first = [columns, rows][axis].start;
+        continued((first + i) as i64 - radius[axis] as i64, sides[axis], wrap[axis])
     };
     let wide = columns.len();
     let mut across = vec![[0.0; N]; wide * (rows.len() + 2 * radius[1])];

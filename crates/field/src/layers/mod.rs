@@ -40,4 +40,6 @@ pub use picture::{LayerPicture, hole};
 pub use terrain::Terrain;
 
 #[cfg(test)]
+mod figures;
+#[cfg(test)]
 mod testing;

@@ -146,9 +146,11 @@ fn half_widths(depths: &[f32], size: [usize; 2], wrap: [bool; 2]) -> Vec<f32> {
         let mut best = (i, depths[i].abs());
         let beside = around(i, size, wrap);
         let rows = [Some(i), beside[2], beside[3]].into_iter().flatten();
-        for j in
-            rows.flat_map(|row| [Some(row), around(row, size, wrap)[0], around(row, size, wrap)[1]]).flatten()
-        {
+        let of_row = |row: usize| {
+            let [left, right, ..] = around(row, size, wrap);
+            [Some(row), left, right].into_iter().flatten()
+        };
+        for j in rows.flat_map(of_row) {
             if side(j) > best.1 {
                 best = (j, side(j));
             }

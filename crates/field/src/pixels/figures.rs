@@ -1,10 +1,11 @@
-//! Figures of docs/measurements/layers.md: photographs beside pictures that are made of them, with photographs
-//! of `../shared/exemplars` or of the folder named by `EXEMPLARS`. Pictures are written to the folder `OUT`.
+//! Figures of docs/measurements/layers.md: photographs beside pictures that are made of them. Pictures are written to
+//! the folder `OUT`.
 
 use super::neighbourhood::{KnownNeighbourhoods, Neighbourhood, NeighbourhoodVector, complete};
 use super::pyramid::PictureLevel;
 use super::tsvq::distance;
 use super::*;
+use crate::photographs::photograph;
 use rustfft::FftDirection;
 use std::time::Instant;
 use vtex_base::fourier::Spectrum;
@@ -113,13 +114,9 @@ fn correlation(a: &[f64], b: &[f64]) -> f64 {
     product(&|i| (a[i] - ma) * (b[i] - mb)) / libm::sqrt(saa * sbb)
 }
 
-/// A part of a photograph; `None` if there is none.
-fn photograph(name: &str, side: u32) -> Option<image::DynamicImage> {
-    let folder = std::env::var("EXEMPLARS");
-    let folder = folder.unwrap_or(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/exemplars").into());
-    let path = format!("{folder}/{name}");
-    let found = image::open(&path).map(|photo| photo.crop_imm(0, 0, side, side));
-    found.inspect_err(|_| eprintln!("skipped: there is no {path}")).ok()
+/// The upper left part of a photograph.
+fn part(name: &str, side: u32) -> Option<RgbImage> {
+    photograph(name).map(|photo| image::imageops::crop_imm(&photo, 0, 0, side, side).to_image())
 }
 
 fn save(made: &RgbImage, name: &str) {
@@ -134,7 +131,7 @@ fn save(made: &RgbImage, name: &str) {
 fn pictures_beside_photographs() {
     const SEEDS: u64 = 4;
     for name in ["gravel.png", "tile_1.jpg", "concrete_1.jpg", "rusty_metal_05.jpg", "mud_cracks.jpg"] {
-        let Some(own) = photograph(name, 192).map(|photo| photo.to_rgb8()) else { return };
+        let Some(own) = part(name, 192) else { return };
         let known = Grey::new(&own);
         for by_codebook in [false, true] {
             let began = Instant::now();
@@ -170,8 +167,8 @@ fn pictures_beside_photographs() {
 #[ignore = "prints figures"]
 fn bricks_on_more_levels() {
     const SEEDS: u64 = 6;
-    let Some(own) = photograph("brick_wall_02.jpg", 1024) else { return };
-    let own = own.resize_exact(128, 128, image::imageops::FilterType::Triangle).to_rgb8();
+    let Some(own) = photograph("brick_wall_02.jpg") else { return };
+    let own = image::imageops::resize(&own, 128, 128, image::imageops::FilterType::Triangle);
     save(&own, "bricks");
     let known = Grey::new(&own).autocorrelation();
     let far = |[x, y]: [i64; 2]| x * x + y * y >= 36 && (y > 0 || x > 0);
@@ -198,7 +195,7 @@ fn bricks_on_more_levels() {
 #[ignore = "prints figures"]
 fn continued_and_filled() {
     for name in ["gravel.png", "tile_1.jpg", "concrete_1.jpg", "rusty_metal_05.jpg", "mud_cracks.jpg"] {
-        let Some(own) = photograph(name, 192).map(|photo| photo.to_rgb8()) else { return };
+        let Some(own) = part(name, 192) else { return };
         let params = ScanParams::default();
         let wide = extended(&own, [64; 4], [false; 2], &params, 1, &()).unwrap();
         let in_hole = |x: u32, y: u32| (60..124).contains(&x) && (60..124).contains(&y);
@@ -241,7 +238,7 @@ fn continued_and_filled() {
 #[ignore = "prints figures"]
 fn numbers_by_tree_and_by_full_search() {
     const SIDE: u32 = 256;
-    let Some(own) = photograph("rust_metal053c.jpg", SIDE).map(|photo| photo.to_rgb8()) else { return };
+    let Some(own) = part("rust_metal053c.jpg", SIDE) else { return };
     // Light and dark parts, and a map of rings.
     let light = image::imageops::blur(&own, 4.0);
     let light: Vec<f32> = light.pixels().map(|p| oklab(p.0)[0]).collect();

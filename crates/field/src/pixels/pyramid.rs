@@ -1,8 +1,8 @@
 //! Pictures on several levels of resolution.
 
 use image::RgbImage;
-use vtex_base::raster::LabelMap;
 use vtex_base::raster::colour::oklab;
+use vtex_base::raster::{LabelMap, continued};
 
 /// A picture on one level: colours, and which pixels have one.
 #[derive(Clone)]
@@ -66,18 +66,8 @@ impl PictureLevel {
     /// The index of a place, which may lie beyond the border.
     #[inline]
     pub(super) fn index(&self, [x, y]: [i64; 2]) -> usize {
-        let within = |v: i64, axis: usize| {
-            let size = self.size[axis] as i64;
-            if (0..size).contains(&v) {
-                v
-            } else if self.wrap[axis] {
-                v.rem_euclid(size)
-            } else {
-                let v = v.rem_euclid(2 * size);
-                v.min(2 * size - 1 - v)
-            }
-        };
-        within(y, 1) as usize * self.size[0] + within(x, 0) as usize
+        let Self { size: [width, height], wrap, .. } = *self;
+        continued(y, height, wrap[1]) * width + continued(x, width, wrap[0])
     }
 
     /// The place of an index.

@@ -67,10 +67,7 @@ pub fn scanned(
     check_size(size)?;
     params.check()?;
     let (exemplar, canvas) = (PictureLevel::of(image, None), PictureLevel::empty(size, [true; 2], None));
-    let found = sources(ScanRequest { exemplar, canvas, params, keeps_colours: true, seed }, progress)?;
-    Ok(RgbImage::from_fn(size[0] as u32, size[1] as u32, |x, y| {
-        taken(image, found[y as usize * size[0] + x as usize])
-    }))
+    made(image, ScanRequest { exemplar, canvas, params, keeps_colours: true, seed }, progress)
 }
 
 /// Makes a picture that follows the labels of `wanted` and has its size, pixel by pixel; `known` has the labels
@@ -98,10 +95,15 @@ pub fn scanned_by_numbers(
     }
     let exemplar = PictureLevel::of(image, Some(known));
     let canvas = PictureLevel::empty(size, wrap, Some(wanted));
-    let found = sources(ScanRequest { exemplar, canvas, params, keeps_colours: true, seed }, progress)?;
-    Ok(RgbImage::from_fn(wanted.width, wanted.height, |x, y| {
-        taken(image, found[y as usize * size[0] + x as usize])
-    }))
+    made(image, ScanRequest { exemplar, canvas, params, keeps_colours: true, seed }, progress)
+}
+
+/// The picture on a canvas without known pixels.
+fn made(image: &RgbImage, request: ScanRequest<'_>, progress: &dyn Progress) -> Result<RgbImage> {
+    let [width, height] = request.canvas.size;
+    let found = sources(request, progress)?;
+    let pixel = |x, y| taken(image, found[y as usize * width + x as usize]);
+    Ok(RgbImage::from_fn(width as u32, height as u32, pixel))
 }
 
 /// Makes the pixels of a hole anew, from the others and joined to them; the others do not change. `hole` says for

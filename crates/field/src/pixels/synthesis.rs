@@ -110,10 +110,11 @@ fn pyramids(
     let count = |level: &PictureLevel, coarser: Option<&PictureLevel>| {
         complete(level, coarser, reach).into_iter().filter(|complete| *complete).count()
     };
-    let codewords = count(&exemplar, None).max(1);
-    if params.codebook > codewords && params.codebook > ScanParams::CODEBOOK.default() {
-        progress
-            .warn(&format!("the codebook has {codewords} codewords, as many as there are neighbourhoods"));
+    if params.codebook > ScanParams::CODEBOOK.default() {
+        let most = count(&exemplar, None).max(1);
+        if params.codebook > most {
+            progress.warn(&format!("the codebook has {most} codewords, as many as there are neighbourhoods"));
+        }
     }
     let mut levels = vec![(exemplar, canvas)];
     while levels.len() < wanted {

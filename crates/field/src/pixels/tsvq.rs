@@ -18,6 +18,7 @@ struct CodebookNode {
     /// Index of the first component of its mean.
     mean: usize,
     children: Option<[u32; 2]>,
+    /// Once the tree is made, those among which the nearest is sought.
     members: Vec<u32>,
 }
 
@@ -28,8 +29,6 @@ pub(super) struct Codebook {
     means: Vec<f32>,
     nodes: Vec<CodebookNode>,
     leaves: usize,
-    /// The vectors of each leaf among which the nearest is sought.
-    compared: Vec<Vec<u32>>,
 }
 
 /// Components that are summed side by side.
@@ -71,7 +70,7 @@ impl Codebook {
         go_on: &mut dyn FnMut() -> Result<()>,
     ) -> Result<Self> {
         let all: Vec<u32> = (0..(vectors.len() / length) as u32).collect();
-        let mut book = Self { length, means: Vec::new(), nodes: Vec::new(), leaves: 1, compared: Vec::new() };
+        let mut book = Self { length, means: Vec::new(), nodes: Vec::new(), leaves: 1 };
         let mut queue = BinaryHeap::new();
         let distortion = book.add(vectors, all);
         queue.push((distortion, Reverse(0u32)));
@@ -93,7 +92,9 @@ impl Codebook {
             book.nodes[worst as usize].children = Some([first, first + 1]);
             book.leaves += 1;
         }
-        book.compared = book.nodes.iter().map(|node| book.differing(vectors, &node.members)).collect();
+        for node in 0..book.nodes.len() {
+            book.nodes[node].members = book.differing(vectors, &book.nodes[node].members);
+        }
         Ok(book)
     }
 
@@ -203,7 +204,7 @@ impl Codebook {
             node = if far(self.mean(right)) < far(self.mean(left)) { right } else { left };
         }
         let mut best = (0, f32::INFINITY);
-        for &m in &self.compared[node as usize] {
+        for &m in &self.nodes[node as usize].members {
             let cost = cost(m, far(&vectors[m as usize * self.length..][..self.length]));
             if cost < best.1 {
                 best = (m, cost);
@@ -260,7 +261,7 @@ mod tests {
         let white = vec![1.0; 20_000 * LENGTH];
         for (vectors, most) in [(&near, MOST_COMPARED), (&white, 1)] {
             let book = book(vectors, LENGTH, 8);
-            let largest = book.compared.iter().map(Vec::len).max().unwrap();
+            let largest = book.nodes.iter().map(|node| node.members.len()).max().unwrap();
             assert!(largest <= most, "{largest}");
             let found = book.search(vectors, &vectors[..LENGTH], None, |_, d| d).0 as usize;
             assert!(distance(&vectors[found * LENGTH..][..LENGTH], &vectors[..LENGTH]) < 1e-4);

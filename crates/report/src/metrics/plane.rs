@@ -2,6 +2,7 @@
 
 use image::RgbImage;
 use vtex_base::parallel;
+use vtex_base::raster::continued;
 
 /// One channel, row by row.
 #[derive(Clone, Debug, PartialEq)]
@@ -137,8 +138,7 @@ impl Channel {
 
 /// Index into `0..n` of the sample at `i`, mirrored at the ends with the end samples repeated.
 fn mirrored(i: isize, n: usize) -> usize {
-    let i = i.rem_euclid(2 * n as isize) as usize;
-    if i < n { i } else { 2 * n - 1 - i }
+    continued(i as i64, n, false)
 }
 
 /// A sampled Gaussian, or its first or second derivative, truncated at four standard deviations.

@@ -1,7 +1,6 @@
 //! The state of the session, as the page reads it.
 
 use super::opened::Opened;
-
 use super::session::{Session, Work, WorkSession};
 use super::settings::SideFile;
 use crate::cli::failure::Failure;

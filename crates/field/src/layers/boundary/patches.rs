@@ -2,6 +2,7 @@
 
 use super::super::map::LayerRegion;
 use vtex_base::parallel;
+use vtex_base::raster::continued;
 
 /// Words of a window of 15 × 15 bits.
 const WORDS: usize = 4;
@@ -21,14 +22,7 @@ pub(super) struct BorderWindows {
 
 /// The pixel at an offset: across the seam where the region repeats, mirrored at other borders.
 fn index(region: &LayerRegion, [x, y]: [usize; 2], d: [i64; 2]) -> usize {
-    let axis = |v: usize, d: i64, k: usize| {
-        let (v, size) = (v as i64 + d, region.size[k] as i64);
-        if region.wrap[k] {
-            return v.rem_euclid(size) as usize;
-        }
-        let v = v.rem_euclid(2 * size);
-        (if v < size { v } else { 2 * size - 1 - v }) as usize
-    };
+    let axis = |v: usize, d: i64, k: usize| continued(v as i64 + d, region.size[k], region.wrap[k]);
     axis(y, d[1], 1) * region.size[0] + axis(x, d[0], 0)
 }
 
