@@ -10,6 +10,8 @@ pub(super) const ROW: usize = PATCH * LANES;
 
 /// The pages of one level, one below the other, each with a frame of [`REACH`] mirrored cells.
 pub(super) struct Atlas {
+    /// Number of the level; 0 is the finest.
+    pub(super) level: usize,
     /// Cells in a row.
     pub(super) stride: usize,
     /// Features cell by cell.
@@ -87,7 +89,7 @@ impl Atlas {
             })
             .collect();
         let groups: Vec<u8> = pages.iter().map(|p| p.group).collect();
-        let mut pyramid = vec![Self::new(&levels, &groups)];
+        let mut pyramid = vec![Self::new(0, &levels, &groups)];
         let shortest = |levels: &[PageLevel]| levels.iter().flat_map(|l| l.size).min().unwrap_or(0);
         // Elongated pages get coarser levels than their shorter side alone would give.
         let large = |levels: &[PageLevel]| {
@@ -98,7 +100,7 @@ impl Atlas {
         };
         while pyramid.len() < MOST_LEVELS && goes_on(&levels) {
             levels = levels.iter().map(PageLevel::reduced).collect();
-            let coarser = Self::new(&levels, &groups);
+            let coarser = Self::new(pyramid.len(), &levels, &groups);
             // A group of single cells may vanish, and other cells replace it. The group of a page may not.
             let has = |g: &u8| coarser.sources_of(*g).next().is_some();
             if coarser.groups.is_none() && !groups.iter().all(has) {
@@ -109,11 +111,12 @@ impl Atlas {
         pyramid
     }
 
-    fn new(levels: &[PageLevel], groups: &[u8]) -> Self {
+    fn new(level: usize, levels: &[PageLevel], groups: &[u8]) -> Self {
         let stride = levels.iter().map(|l| l.size[0]).max().unwrap_or(0) + 2 * REACH;
         let rows: usize = levels.iter().map(|l| l.size[1] + 2 * REACH).sum();
         let any_periods = levels.iter().any(|l| l.periods.is_some());
         let mut atlas = Self {
+            level,
             stride,
             features: vec![0; stride * rows * LANES],
             inside: vec![false; stride * rows],

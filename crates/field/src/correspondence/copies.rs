@@ -6,7 +6,7 @@ use super::canvas::LevelCanvas;
 
 /// Side of the blocks of an exemplar that are told apart, in cells.
 const BLOCK: i32 = 4;
-/// Places of a block that differ by no more are the same copy, in cells.
+/// Places of a block that differ by no more are the same copy, in cells of the finest level.
 const SAME: i32 = 2;
 /// Distance over which copies count, as a share of the shorter side of the smallest page: in exhaustive
 /// searches and in others.
@@ -25,6 +25,8 @@ pub(super) struct BlockCopies {
     wrap: [bool; 2],
     /// In cells.
     reach: f32,
+    /// Places that differ by no more are one, in cells.
+    same: i32,
 }
 
 impl BlockCopies {
@@ -41,6 +43,7 @@ impl BlockCopies {
             size: canvas.size.map(|v| v as i32),
             wrap: canvas.wrap,
             reach,
+            same: SAME >> atlas.level,
         };
         let [w, h] = canvas.size;
         let mut found: Vec<(u32, [i32; 2])> = Vec::new();
@@ -96,7 +99,7 @@ impl BlockCopies {
                     let (d, axis) = ((place[k] - own[k]).abs(), 1 - k);
                     if self.wrap[axis] { d.min(self.size[axis] - d) } else { d }
                 });
-                if dx.max(dy) > SAME {
+                if dx.max(dy) > self.same {
                     nearest = nearest.min(dx * dx + dy * dy);
                 }
             }

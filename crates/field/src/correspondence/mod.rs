@@ -15,8 +15,8 @@
 //! cost is that of the borders.
 //!
 //! Results are the same on every machine and any number of threads. Features are 16-bit integers, so
-//! distances of patches are exact. Each step reads one state and writes another; passes that move borders
-//! take a quarter of the cells at a time. Nothing depends on the order of visits.
+//! distances of patches are exact. Each step reads one state and writes another. Passes of a search, and those
+//! that move borders, take a part of the cells, none adjacent, so each sees what the others have changed. Nothing depends on the order of visits.
 //!
 //! Knows no elements: cells have features, and features are numbers.
 //!

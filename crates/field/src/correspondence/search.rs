@@ -4,13 +4,41 @@ use super::atlas::{Atlas, distance};
 use super::canvas::LevelCanvas;
 use super::copies::BlockCopies;
 use super::similar::Similar;
-use super::{ALONE, CHANNELS, COPY, LANES, OCCURRENCE, PATCH, REACH, RowProgress, UNIT};
+use super::{ALONE, CHANNELS, COHERENT, COPY, LANES, OCCURRENCE, PATCH, REACH, RowProgress, UNIT};
 use vtex_base::parallel;
 
 /// Offsets to the cells around a cell.
 const AROUND: [[isize; 2]; 8] = [[-1, 0], [1, 0], [0, -1], [0, 1], [-1, -1], [1, -1], [-1, 1], [1, 1]];
+/// [`Pass::step`] of exhaustive searches, of others, and of those on levels where islands hold together. In
+/// exhaustive ones distant cells find the same sources too.
+const SEARCH_STEPS: [usize; 3] = [4, 2, 1];
 /// Distance of two patches that differ by one standard deviation in one channel.
 const PATCH_UNIT: f32 = UNIT * UNIT * (PATCH * PATCH) as f32;
+
+/// The cells that change together: one of each square of `step` × `step` cells.
+#[derive(Clone, Copy)]
+struct Pass {
+    /// Side of the squares, in cells.
+    step: usize,
+    /// Column and row within the square.
+    at: [usize; 2],
+}
+
+impl Pass {
+    /// The passes that take every cell once.
+    fn all(step: usize) -> impl Iterator<Item = Self> {
+        (0..step * step).map(move |k| Self { step, at: [k % step, k / step] })
+    }
+
+    fn has_row(self, y: usize) -> bool {
+        y % self.step == self.at[1]
+    }
+
+    /// Columns of the cells of a row.
+    fn of_row(self, width: usize) -> impl Iterator<Item = usize> {
+        (self.at[0]..width).step_by(self.step)
+    }
+}
 
 impl LevelCanvas {
     /// Alternates votes and searches, the first `exhaustive` searches among all sources. No vote follows
@@ -27,8 +55,7 @@ impl LevelCanvas {
             self.vote(atlas, watch);
             self.match_histograms(atlas);
             self.frame();
-            let occurrence = self.occurrence_costs(atlas);
-            self.search(atlas, similar, iteration < exhaustive, &occurrence, watch);
+            self.search(atlas, similar, iteration < exhaustive, None, watch);
         }
     }
 
@@ -41,15 +68,14 @@ impl LevelCanvas {
         watch: &RowProgress<'_>,
     ) {
         for _ in 0..iterations {
-            let (deep, occurrence) = (self.inside_islands(atlas), self.occurrence_costs(atlas));
-            let open = |i: usize| !deep[i] && self.is_active(i);
-            let open = (0..deep.len()).map(open).collect();
+            let deep = self.inside_islands(atlas);
+            let open: Vec<bool> = (0..deep.len()).map(|i| !deep[i] && self.is_active(i)).collect();
             self.copy_sources(atlas);
             let all = self.active.replace(open);
             self.vote(atlas, watch);
+            let open = std::mem::replace(&mut self.active, all);
             self.frame();
-            self.search(atlas, similar, false, &occurrence, watch);
-            self.active = all;
+            self.search(atlas, similar, false, open.as_deref(), watch);
         }
     }
 
@@ -110,49 +136,56 @@ impl LevelCanvas {
         costs
     }
 
-    /// Gives every cell the best source: of its own, those that continue adjacent cells, and those similar
-    /// to these; or, if `exhaustive`, of all.
+    /// Gives every cell, or every `open` one, the best source: of its own, those that continue adjacent
+    /// cells, and those similar to these; or, if `exhaustive`, of all. It takes several passes, and what
+    /// frequent sources and copies cost is known anew in each: were all cells to change at once, many would
+    /// take the same source together, and leave it together.
     fn search(
         &mut self,
         atlas: &Atlas,
         similar: &Similar,
         exhaustive: bool,
-        extra: &[i32],
+        open: Option<&[bool]>,
         watch: &RowProgress<'_>,
     ) {
         let groups = if exhaustive { usize::from(atlas.last_group()) + 1 } else { 0 };
         let all: Vec<Vec<u32>> = (0..groups).map(|g| atlas.compared(g as u8)).collect();
-        let this = &*self;
-        let copies = BlockCopies::new(this, atlas, exhaustive);
-        let copy = COPY[usize::from(!exhaustive)];
-        // The earlier sources remain if the work is stopped.
-        let mut found: Vec<(u32, i32)> =
-            this.sources.iter().copied().zip(this.costs.iter().copied()).collect();
-        parallel::for_chunks(&mut found, this.size[0], |y, found| {
-            if !watch.keep_going(this.size[0]) {
-                return;
-            }
-            for (x, found) in found.iter_mut().enumerate() {
-                let i = y * this.size[0] + x;
-                if !this.is_active(i) {
-                    continue;
+        let kind = usize::from(!exhaustive);
+        let step = SEARCH_STEPS[if atlas.level < COHERENT { 2 } else { kind }];
+        for pass in Pass::all(step) {
+            let this = &*self;
+            let occurrence = this.occurrence_costs(atlas);
+            // Where only borders move, hardly any copy comes or goes.
+            let copies = open.is_none().then(|| BlockCopies::new(this, atlas, exhaustive));
+            // The earlier sources remain if the work is stopped.
+            let mut found: Vec<(u32, i32)> =
+                this.sources.iter().copied().zip(this.costs.iter().copied()).collect();
+            parallel::for_chunks(&mut found, this.size[0], |y, found| {
+                if !pass.has_row(y) || !watch.keep_going(this.size[0] / pass.step) {
+                    return;
                 }
-                let mut best = Best::new(this, atlas, [x, y], extra);
-                best.copies = Some((&copies, i, copy));
-                best.consider_around(this, [x, y]);
-                best.consider_periods(this.sources[i]);
-                if exhaustive {
-                    best.consider_all(&all[usize::from(this.group(i, atlas))]);
-                } else {
-                    for k in 0..best.known {
-                        similar.of(best.seen[k]).for_each(|s| best.consider(s, 0));
+                for x in pass.of_row(this.size[0]) {
+                    let i = y * this.size[0] + x;
+                    if !open.map_or_else(|| this.is_active(i), |open| open[i]) {
+                        continue;
                     }
+                    let mut best = Best::new(this, atlas, [x, y], &occurrence);
+                    best.copies = copies.as_ref().map(|copies| (copies, i, COPY[kind]));
+                    best.consider_around(this, [x, y]);
+                    best.consider_periods(this.sources[i]);
+                    if exhaustive {
+                        best.consider_all(&all[usize::from(this.group(i, atlas))]);
+                    } else {
+                        for k in 0..best.known {
+                            similar.of(best.seen[k]).for_each(|s| best.consider(s, 0));
+                        }
+                    }
+                    found[x] = (best.source, best.cost);
                 }
-                *found = (best.source, best.cost);
+            });
+            for (i, (source, cost)) in found.into_iter().enumerate() {
+                (self.sources[i], self.costs[i]) = (source, cost);
             }
-        });
-        for (i, (source, cost)) in found.into_iter().enumerate() {
-            (self.sources[i], self.costs[i]) = (source, cost);
         }
     }
 
@@ -183,15 +216,14 @@ impl LevelCanvas {
     ) {
         self.copy_sources(atlas);
         let none = vec![0; atlas.inside.len()];
-        for pass in 0..4 * passes {
-            let (px, py) = (pass % 2, pass / 2 % 2);
+        for pass in (0..passes).flat_map(|_| Pass::all(2)) {
             let this = &*self;
             let mut rows: Vec<Vec<(usize, u32)>> = vec![Vec::new(); this.size[1]];
             parallel::for_chunks(&mut rows, 1, |y, changes| {
-                if y % 2 != py || !watch.keep_going(this.size[0] / 2) {
+                if !pass.has_row(y) || !watch.keep_going(this.size[0] / pass.step) {
                     return;
                 }
-                for x in (px..this.size[0]).step_by(2) {
+                for x in pass.of_row(this.size[0]) {
                     let i = y * this.size[0] + x;
                     if !this.is_active(i) || this.is_whole(atlas, [x, y]) {
                         continue;

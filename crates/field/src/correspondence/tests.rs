@@ -238,3 +238,22 @@ fn places_come_back_less_near_themselves() {
     let share = pairs as f64 / (w * h) as f64;
     assert!(share < 0.05, "{share}");
 }
+
+#[test]
+fn a_canvas_no_larger_than_the_exemplar_shows_few_places_twice() {
+    let (side, near) = (250, 38);
+    let (mut copies, mut cells) = (0, 0);
+    for seed in 1..3 {
+        let pages = [clouds([side, side], seed)];
+        let field = find(&request(&pages, [side, side], [false; 2], seed), &()).unwrap();
+        let mut by_source = vec![Vec::new(); side * side];
+        for (i, s) in field.sources.iter().enumerate() {
+            by_source[usize::from(s.at[1]) * side + usize::from(s.at[0])].push([i % side, i / side]);
+        }
+        let is_near = |a: [usize; 2], b: [usize; 2]| a != b && (0..2).all(|k| a[k].abs_diff(b[k]) < near);
+        let twice = by_source.iter().flat_map(|at| at.iter().filter(|&&a| at.iter().any(|&b| is_near(a, b))));
+        copies += twice.count();
+        cells += side * side;
+    }
+    assert!(100 * copies < 28 * cells, "{copies} of {cells}");
+}
