@@ -2,8 +2,11 @@
 //!
 //! The paper copies patches from random places without edges. Here the place of a patch is chosen of many by how well
 //! the exemplar goes on around it: samples along the border must lie on the curves of the patches beside it, with their
-//! directions and styles. Curves that cross a border are then joined.
+//! directions and styles. Curves that cross a border are then joined. Lines that are given count as patches that are
+//! there already; the patches nearest to them come first.
 
+use crate::context::GivenLines;
+use crate::existence::ON_LINE;
 use crate::input::CurveInput;
 use crate::output::{CurveOutput, JoinedEdge};
 use std::collections::BTreeMap;
@@ -24,6 +27,8 @@ const ALONG: f64 = 0.2;
 const CHANGE: f64 = 0.22;
 /// The same for a page that repeats: patches of regular drawings that are out of step are seen at once.
 const CHANGE_REGULAR: f64 = 0.04;
+/// Ways from given samples to their sources that are tried for a patch.
+const COMMON: usize = 4;
 /// Most samples that are remembered as alike, some 64 MB.
 const MOST_KNOWN: usize = 1 << 24;
 /// Longest miss of two ends that are joined across a border, in sample distances, and the cosine of their largest angle.
@@ -39,23 +44,34 @@ struct Patch {
     samples: Vec<(u32, u32)>,
 }
 
-/// A curve that leaves a patch: the sample, the half-edge of the exemplar, where it would arrive.
+/// A curve that leaves a patch, or that is given and goes on.
 struct Loose {
     sample: u32,
-    half: u32,
+    /// The half-edge of the exemplar that it follows.
+    half: Option<u32>,
+    style: u32,
+    /// The way along it, and where it would arrive.
+    way: [f64; 2],
     to: [f64; 2],
 }
 
-/// Samples of neighbouring patches near a patch.
+/// Samples near a patch that are there already.
 struct Rim {
     /// Place, source.
     samples: Vec<([f64; 2], u32)>,
+    /// How many of them, the first ones, are given.
+    given: usize,
     index: PointIndex,
 }
 
-/// Scatters as many samples as the exemplar has, from random places, without edges.
-pub(crate) fn noise(input: &CurveInput, plane: PeriodicPlane, seed: u64) -> CurveOutput {
-    let mut output = CurveOutput::new(plane);
+/// Scatters as many samples as the exemplar has, from random places, without edges, beside those there are.
+pub(crate) fn noise(
+    input: &CurveInput,
+    mut output: CurveOutput,
+    seed: u64,
+    given: Option<&GivenLines>,
+) -> CurveOutput {
+    let plane = output.plane;
     let mut random = stream(seed, "curves/noise", 0);
     let real: Vec<u32> = (0..input.len() as u32).filter(|i| !input.graph.open[*i as usize]).collect();
     if real.is_empty() {
@@ -64,28 +80,36 @@ pub(crate) fn noise(input: &CurveInput, plane: PeriodicPlane, seed: u64) -> Curv
     let count = real.len() as f64 * plane.area() / input.graph.plane.area();
     for _ in 0..libm::round(count) as usize {
         let at = [random.range(0.0, plane.size[0]), random.range(0.0, plane.size[1])];
-        output.push(at, real[random.index(real.len())], input);
+        let source = real[random.index(real.len())];
+        if is_made(input, at, given) {
+            output.push(at, source, input);
+        }
     }
     output
 }
 
-/// Fills a canvas with patches. `variation`, 0 to 1, says how readily patches come from elsewhere; with 0 the exemplar
-/// goes on as it is wherever it can.
+/// Whether a sample may be made at a place.
+fn is_made(input: &CurveInput, at: [f64; 2], given: Option<&GivenLines>) -> bool {
+    given.is_none_or(|given| given.is_free(at) && !given.is_on_line(at, ON_LINE * input.scale.distance))
+}
+
+/// Fills a canvas with patches beside the samples there are. `variation`, 0 to 1, says how readily patches come from
+/// elsewhere; with 0 the exemplar goes on as it is wherever it can.
 ///
 /// # Errors
 /// Those of `go_on`.
 pub(crate) fn patches(
     input: &CurveInput,
-    plane: PeriodicPlane,
+    mut output: CurveOutput,
     (variation, seed): (f64, u64),
+    given: Option<&GivenLines>,
     go_on: &dyn Fn() -> Result<()>,
 ) -> Result<CurveOutput> {
-    let page = input.graph.plane;
+    let (page, plane) = (input.graph.plane, output.plane);
     let side = 2.0 * input.scale.radius;
     let most = [0, 1].map(|k| if page.wraps[k] { 0.45 } else { 0.6 } * page.size[k]);
     let count = [0, 1].map(|k| libm::ceil(plane.size[k] / side.min(most[k])).max(1.0) as usize);
     let size = [0, 1].map(|k| plane.size[k] / count[k] as f64);
-    let mut output = CurveOutput::new(plane);
     let mut alike = AlikeSamples { input, known: BTreeMap::new() };
     let mut patches: Vec<Patch> = Vec::with_capacity(count[0] * count[1]);
     for j in 0..count[1] {
@@ -94,24 +118,33 @@ pub(crate) fn patches(
             patches.push(Patch { low, size, offset: None, samples: Vec::new() });
         }
     }
-    for p in 0..patches.len() {
+    for p in order(&patches, &output) {
         go_on()?;
         let [i, j] = [p % count[0], p / count[0]];
         let mut beside: Vec<usize> = Vec::new();
         for (dx, dy) in [(-1, 0), (0, -1), (1, 0), (0, 1), (-1, -1), (1, -1), (-1, 1), (1, 1)] {
-            let at = |v: usize, d: i64, n: usize| (v as i64 + d).rem_euclid(n as i64) as usize;
-            let other = at(j, dy, count[1]) * count[0] + at(i, dx, count[0]);
+            let at = |v: usize, d: i64, k: usize| {
+                let (v, n) = (v as i64 + d, count[k] as i64);
+                (plane.wraps[k] || (0..n).contains(&v)).then(|| v.rem_euclid(n) as usize)
+            };
+            let (Some(row), Some(column)) = (at(j, dy, 1), at(i, dx, 0)) else { continue };
+            let other = row * count[0] + column;
             if other != p && patches[other].offset.is_some() && !beside.contains(&other) {
                 beside.push(other);
             }
         }
-        let rim = rim(&output, &patches, &beside, input);
-        let going_on: Vec<[f64; 2]> = beside.iter().filter_map(|b| patches[*b].offset).collect();
+        let rim = rim(&output, &patches, (p, &beside), input);
+        let mut going_on: Vec<[f64; 2]> = beside.iter().filter_map(|b| patches[*b].offset).collect();
+        going_on.extend(common_offsets(input, &output, &patches[p]));
         let mut random = stream(seed, "curves/patches", p as u64);
-        let offset = choose(&mut alike, &patches[p], &rim, (&going_on, plane), (variation, &mut random));
+        let around = PatchSurroundings { patch: &patches[p], rim: &rim, plane, given };
+        let offset = choose(&mut alike, &around, &going_on, (variation, &mut random));
         let patch = &mut patches[p];
         patch.offset = Some(offset);
         for (at, source) in within(input, patch, offset, 0.0) {
+            if !is_made(input, at, given) {
+                continue;
+            }
             let sample = output.push(at, source, input);
             patch.samples.push((source, sample));
         }
@@ -121,10 +154,54 @@ pub(crate) fn patches(
     Ok(output)
 }
 
+/// The order in which patches are laid: from one end to the other, or by their distances from given samples.
+fn order(patches: &[Patch], output: &CurveOutput) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..patches.len()).collect();
+    let given = &output.points[..output.given()];
+    if given.is_empty() {
+        return order;
+    }
+    let far = |patch: &Patch| {
+        let middle = patch.middle();
+        let apart = given.iter().map(|p| length(output.plane.between(middle, *p)));
+        apart.fold(f64::INFINITY, f64::min)
+    };
+    let far = parallel::map(patches, far);
+    order.sort_by(|a, b| far[*a].total_cmp(&far[*b]).then(a.cmp(b)));
+    order
+}
+
+/// The commonest ways from given samples around a patch to their sources.
+fn common_offsets(input: &CurveInput, output: &CurveOutput, patch: &Patch) -> Vec<[f64; 2]> {
+    let page = input.graph.plane;
+    let mut found: Vec<(u32, [f64; 2])> = Vec::new();
+    for s in 0..output.given() {
+        let at = output.points[s];
+        if depth(patch, output.plane, at) > BAND * input.scale.radius {
+            continue;
+        }
+        let to = input.graph.points[output.source[s] as usize];
+        let offset = [to[0] - at[0], to[1] - at[1]];
+        let near = ON_LINE * input.scale.distance;
+        match found.iter_mut().find(|f| length(page.between(f.1, offset)) < near) {
+            Some(known) => known.0 += 1,
+            None => found.push((1, offset)),
+        }
+    }
+    found.sort_by_key(|f| std::cmp::Reverse(f.0));
+    found.into_iter().take(COMMON).map(|f| f.1).collect()
+}
+
+impl Patch {
+    fn middle(&self) -> [f64; 2] {
+        [0, 1].map(|k| self.low[k] + 0.5 * self.size[k])
+    }
+}
+
 /// The exemplar's samples in a patch and up to `band` around it, at their places on the canvas.
 fn within(input: &CurveInput, patch: &Patch, offset: [f64; 2], band: f64) -> Vec<([f64; 2], u32)> {
     let half = patch.size.map(|s| 0.5 * s + band);
-    let middle = [0, 1].map(|k| patch.low[k] + 0.5 * patch.size[k]);
+    let middle = patch.middle();
     let mut found = Vec::new();
     let centre = [middle[0] + offset[0], middle[1] + offset[1]];
     input.index.within(centre, length(half), |i, way| {
@@ -137,9 +214,15 @@ fn within(input: &CurveInput, patch: &Patch, offset: [f64; 2], band: f64) -> Vec
     found
 }
 
-/// The samples of neighbouring patches.
-fn rim(output: &CurveOutput, patches: &[Patch], beside: &[usize], input: &CurveInput) -> Rim {
+/// The samples of the patches beside a patch, and those given around and in it.
+fn rim(output: &CurveOutput, patches: &[Patch], (p, beside): (usize, &[usize]), input: &CurveInput) -> Rim {
     let mut samples = Vec::new();
+    for s in 0..output.given() {
+        if depth(&patches[p], output.plane, output.points[s]) < 2.0 * input.scale.radius {
+            samples.push((output.points[s], output.source[s]));
+        }
+    }
+    let given = samples.len();
     for b in beside {
         for (source, sample) in &patches[*b].samples {
             samples.push((output.points[*sample as usize], *source));
@@ -147,17 +230,25 @@ fn rim(output: &CurveOutput, patches: &[Patch], beside: &[usize], input: &CurveI
     }
     let places: Vec<[f64; 2]> = samples.iter().map(|s| s.0).collect();
     // A rim is small beside the canvas: wide cells are soon made.
-    Rim { index: PointIndex::new(output.plane, 2.0 * input.scale.radius, &places), samples }
+    Rim { index: PointIndex::new(output.plane, 2.0 * input.scale.radius, &places), samples, given }
+}
+
+/// What a patch must fit to.
+struct PatchSurroundings<'a> {
+    patch: &'a Patch,
+    rim: &'a Rim,
+    plane: PeriodicPlane,
+    given: Option<&'a GivenLines>,
 }
 
 /// The way from the canvas to the exemplar for a patch.
 fn choose(
     alike: &mut AlikeSamples<'_>,
-    patch: &Patch,
-    rim: &Rim,
-    (going_on, plane): (&[[f64; 2]], PeriodicPlane),
+    around: &PatchSurroundings<'_>,
+    going_on: &[[f64; 2]],
     (variation, random): (f64, &mut Stream),
 ) -> [f64; 2] {
+    let &PatchSurroundings { patch, rim, plane, .. } = around;
     let input = alike.input;
     let page = input.graph.plane;
     // A page that does not repeat must hold the patch.
@@ -186,8 +277,10 @@ fn choose(
             // A curve of the exemplar on a curve beside the patch.
             let (at, source) = rim.samples[near[random.index(near.len())]];
             let like = alike.to(source);
-            let to = input.graph.points[like[random.index(like.len())] as usize];
-            let middle = [0, 1].map(|k| patch.low[k] + 0.5 * patch.size[k]);
+            // Nothing may stand for a given line at the border of a page.
+            let Some(to) = like.get(random.index(like.len())) else { continue };
+            let to = input.graph.points[*to as usize];
+            let middle = patch.middle();
             let way = plane.between(middle, at);
             [0, 1].map(|k| to[k] - (middle[k] + way[k]))
         };
@@ -195,7 +288,7 @@ fn choose(
             tried.push(offset);
         }
     }
-    let costs = parallel::map(&tried, |offset| misfit(input, patch, rim, (*offset, plane), &near));
+    let costs = parallel::map(&tried, |offset| misfit(input, around, *offset, &near));
     let best = |range: std::ops::Range<usize>| range.min_by(|a, b| costs[*a].total_cmp(&costs[*b]));
     let change = if page.wraps[0] && page.wraps[1] { CHANGE_REGULAR } else { CHANGE };
     match (best(0..known), best(known..tried.len())) {
@@ -211,8 +304,7 @@ fn choose(
 
 /// How far a place is outside a patch.
 fn depth(patch: &Patch, plane: PeriodicPlane, at: [f64; 2]) -> f64 {
-    let middle = [0, 1].map(|k| patch.low[k] + 0.5 * patch.size[k]);
-    let way = plane.between(middle, at);
+    let way = plane.between(patch.middle(), at);
     (0..2).map(|k| way[k].abs() - 0.5 * patch.size[k]).fold(f64::MIN, f64::max)
 }
 
@@ -251,19 +343,20 @@ fn alike(input: &CurveInput, a: u32, b: u32) -> bool {
             })
 }
 
-/// Mean misfit of a patch to its neighbours, in sample distances: how far the exemplar's samples around the patch are
-/// from the neighbours' curves, and the other way round.
-fn misfit(
-    input: &CurveInput,
-    patch: &Patch,
-    rim: &Rim,
-    (offset, plane): ([f64; 2], PeriodicPlane),
-    near: &[usize],
-) -> f64 {
+/// Mean misfit of a patch to what is there, in sample distances: how far the exemplar's samples around the patch, and
+/// in it where nothing is made, are from the curves there, and the other way round.
+fn misfit(input: &CurveInput, around: &PatchSurroundings<'_>, offset: [f64; 2], near: &[usize]) -> f64 {
+    let &PatchSurroundings { patch, rim, plane, given } = around;
     let (delta, band) = (input.scale.distance, BAND * input.scale.radius);
     let page = input.graph.plane;
-    let expected: Vec<([f64; 2], u32)> =
-        within(input, patch, offset, band).into_iter().filter(|e| depth(patch, plane, e.0) > 0.0).collect();
+    // Samples of the patch itself, which are compared with given ones alone, come last.
+    let (mut expected, own): (Vec<([f64; 2], u32)>, Vec<_>) = within(input, patch, offset, band)
+        .into_iter()
+        .partition(|e| depth(patch, plane, e.0) > 0.0 || given.is_some_and(|g| !g.is_free(e.0)));
+    let outer = expected.len();
+    if given.is_some() {
+        expected.extend(own);
+    }
     let places: Vec<[f64; 2]> = expected.iter().map(|e| plane.wrapped(e.0)).collect();
     let apart = |own: u32, other: u32, way: [f64; 2]| {
         let mut cost: f64 = 1.0;
@@ -285,7 +378,7 @@ fn misfit(
         cost
     };
     let (mut sum, mut count) = (0.0, 0.0f64);
-    for (at, source) in &expected {
+    for (at, source) in &expected[..outer] {
         // Where no neighbour is yet, nothing is expected of it.
         let mut best: Option<f64> = None;
         rim.index.within(*at, delta, |n, way| {
@@ -301,7 +394,7 @@ fn misfit(
     for &n in near {
         let (at, source) = rim.samples[n];
         let there = {
-            let middle = [0, 1].map(|k| patch.low[k] + 0.5 * patch.size[k]);
+            let middle = patch.middle();
             let way = plane.between(middle, at);
             [0, 1].map(|k| middle[k] + way[k] + offset[k])
         };
@@ -309,7 +402,8 @@ fn misfit(
             continue;
         }
         let mut best: f64 = 1.0;
-        for (place, (_, other)) in places.iter().zip(&expected) {
+        let compared = if n < rim.given { expected.len() } else { outer };
+        for (place, (_, other)) in places.iter().zip(&expected).take(compared) {
             let way = plane.between(at, *place);
             if way[0] * way[0] + way[1] * way[1] < delta * delta {
                 best = best.min(apart(source, *other, way));
@@ -323,11 +417,19 @@ fn misfit(
 
 /// The edges within patches, and across their borders.
 fn join(output: &mut CurveOutput, patches: &[Patch], input: &CurveInput) {
+    let delta = input.scale.distance;
     let mut loose: Vec<Loose> = Vec::new();
+    for (s, ahead) in output.ahead.iter().enumerate() {
+        if let Some(ahead) = ahead {
+            let (at, way) = (output.points[s], ahead.map(|v| delta * v));
+            let to = [at[0] + way[0], at[1] + way[1]];
+            loose.push(Loose { sample: s as u32, half: None, style: output.style[s], way, to });
+        }
+    }
     for patch in patches {
         let Some(offset) = patch.offset else { continue };
         let half = patch.size.map(|s| 0.5 * s);
-        let middle = [0, 1].map(|k| patch.low[k] + half[k]);
+        let middle = patch.middle();
         for &(source, sample) in &patch.samples {
             let centre = [0, 1].map(|k| middle[k] + offset[k]);
             let from = input.graph.plane.between(centre, input.graph.points[source as usize]);
@@ -347,28 +449,27 @@ fn join(output: &mut CurveOutput, patches: &[Patch], input: &CurveInput) {
                     }
                     _ => {
                         let to = [middle[0] + at[0], middle[1] + at[1]];
-                        loose.push(Loose { sample, half: h, to });
+                        let style = input.graph.edge(h).style;
+                        loose.push(Loose { sample, half: Some(h), style, way, to });
                     }
                 }
             }
         }
     }
-    let delta = input.scale.distance;
     let places: Vec<[f64; 2]> = loose.iter().map(|l| output.points[l.sample as usize]).collect();
     let index = PointIndex::new(output.plane, JOINED * delta, &places);
     let mut pairs = Vec::new();
     for (g, own) in loose.iter().enumerate() {
-        let way = input.graph.way(own.half);
+        let way = own.way;
         index.within(output.plane.wrapped(own.to), JOINED * delta, |h, miss| {
             let other = &loose[h];
             let back = output.plane.between(output.plane.wrapped(other.to), places[g]);
-            let there = input.graph.way(other.half);
+            let there = other.way;
             let opposite =
                 -(way[0] * there[0] + way[1] * there[1]) / (length(way) * length(there)).max(1e-12);
-            let like = input.graph.edge(own.half).style == input.graph.edge(other.half).style;
             if h > g
                 && own.sample != other.sample
-                && like
+                && own.style == other.style
                 && length(back) < JOINED * delta
                 && opposite > STRAIGHT
             {
@@ -382,8 +483,8 @@ fn join(output: &mut CurveOutput, patches: &[Patch], input: &CurveInput) {
         if !taken[g] && !taken[h] {
             (taken[g], taken[h]) = (true, true);
             let ends = [loose[g].sample, loose[h].sample];
-            let from = [Some(loose[g].half), Some(loose[h].half)];
-            output.edges.push(JoinedEdge { ends, from, style: input.graph.edge(loose[g].half).style });
+            let from = [loose[g].half, loose[h].half];
+            output.edges.push(JoinedEdge { ends, from, style: loose[g].style });
         }
     }
 }

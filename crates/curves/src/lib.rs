@@ -11,6 +11,7 @@
 //! Works badly for structure larger than a few neighbourhoods, such as long straight lines or letters, and where equal
 //! curves lie nearer to one another than the sample distance.
 
+mod context;
 mod edges;
 mod exemplar;
 mod existence;
@@ -28,10 +29,11 @@ mod skeleton;
 mod tests;
 mod trace;
 
+pub use context::CurveContext;
 pub use exemplar::{CurveExemplar, CurveStroke};
 pub use graph::CurveGraph;
 pub use measures::CurveMeasures;
 pub use mend::CurveMends;
-pub use optimise::{CurveLevel, CurveParams, CurveParts, CurveResult, curves};
+pub use optimise::{CurveLevel, CurveParams, CurveParts, CurveResult, curves, curves_beside};
 pub use skeleton::{Ink, centre_lines};
 pub use trace::TracedCurve;

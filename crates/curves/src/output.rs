@@ -27,11 +27,32 @@ pub(crate) struct CurveOutput {
     pub(crate) source: Vec<u32>,
     pub(crate) style: Vec<u32>,
     pub(crate) edges: Vec<JoinedEdge>,
+    /// Of the first samples, which are given and stay as they are, the direction in which the curve goes on if it ends
+    /// there and is to be continued.
+    pub(crate) ahead: Vec<Option<[f64; 2]>>,
+    /// Number of the edges, the first ones, that are given.
+    pub(crate) given_edges: usize,
 }
 
 impl CurveOutput {
     pub(crate) fn new(plane: PeriodicPlane) -> Self {
-        Self { plane, points: Vec::new(), source: Vec::new(), style: Vec::new(), edges: Vec::new() }
+        let (points, source, style, edges) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        Self { plane, points, source, style, edges, ahead: Vec::new(), given_edges: 0 }
+    }
+
+    /// Number of the samples, the first ones, that are given.
+    pub(crate) fn given(&self) -> usize {
+        self.ahead.len()
+    }
+
+    /// The direction in which a given curve goes on from a sample.
+    pub(crate) fn ahead(&self, sample: u32) -> Option<[f64; 2]> {
+        self.ahead.get(sample as usize).copied().flatten()
+    }
+
+    /// The edges that are made.
+    pub(crate) fn made_edges(&self) -> &[JoinedEdge] {
+        &self.edges[self.given_edges..]
     }
 
     pub(crate) fn len(&self) -> usize {
@@ -68,7 +89,7 @@ impl CurveOutput {
         self.incident().iter().map(|at| at.iter().map(|e| self.way(*e)).collect()).collect()
     }
 
-    /// Keeps some samples, and the edges between them.
+    /// Keeps some samples, and the edges between them. Given ones must be kept.
     pub(crate) fn retain(&mut self, keep: &[bool]) {
         let mut new = vec![u32::MAX; self.len()];
         let mut count = 0;
@@ -89,9 +110,13 @@ impl CurveOutput {
     }
 
     /// Lets each end of an edge follow a half-edge of the source of its sample, which gives the edge its direction and
-    /// course there: that of the nearest direction. No two follow the same.
+    /// course there: that of the nearest direction. No two follow the same. Where a given curve goes on, the edge follows
+    /// that.
     pub(crate) fn improve_orientations(&mut self, input: &CurveInput) {
         for (s, at) in self.incident().iter().enumerate() {
+            if self.ahead(s as u32).is_some() {
+                continue;
+            }
             let leaving = &input.graph.leaving[self.source[s] as usize];
             let mut pairs = Vec::new();
             for (k, &of) in at.iter().enumerate() {
@@ -118,18 +143,19 @@ impl CurveOutput {
         }
     }
 
-    /// The graph of the curves along the edges.
-    pub(crate) fn graph(&self, input: &CurveInput) -> CurveGraph {
-        let edges = (0..self.edges.len() as u32).map(|e| CurveEdge {
-            ends: self.edges[e as usize].ends,
-            shape: self.course(e, input),
-            style: self.edges[e as usize].style,
+    /// The graph of the curves along all edges, or along those that are made.
+    pub(crate) fn graph(&self, input: &CurveInput, made: bool) -> CurveGraph {
+        let first = if made { self.given_edges } else { 0 };
+        let edges = (first..self.edges.len()).map(|e| CurveEdge {
+            ends: self.edges[e].ends,
+            shape: self.course(e as u32, input),
+            style: self.edges[e].style,
         });
         CurveGraph::new(self.plane, self.points.clone(), vec![false; self.len()], edges.collect())
     }
 
     /// The course of an edge: that of the half-edge which it follows, sheared to its own way; where its ends follow two,
-    /// from the one to the other.
+    /// from the one to the other. From where a given curve goes on, it does so smoothly.
     fn course(&self, e: u32, input: &CurveInput) -> Vec<[f64; 2]> {
         let way = self.way((e, 0));
         let sheared = |half: u32, backwards: bool| {
@@ -145,14 +171,16 @@ impl CurveOutput {
             };
             course.iter().map(step).collect::<Vec<_>>()
         };
+        let JoinedEdge { ends, from, .. } = self.edges[e as usize];
+        let ahead = ends.map(|s| self.ahead(s).filter(|_| e as usize >= self.given_edges));
+        let of_end = |d: usize| match (from[d], ahead) {
+            (_, [None, None]) | (Some(_), _) => from[d].map(|half| sheared(half, d == 1)),
+            (None, ahead) => ahead[d].map(|_| led(way, ahead)),
+        };
         let plain = |course: Vec<([f64; 2], f64)>| course.into_iter().map(|c| c.0).collect();
-        match self.edges[e as usize].from {
-            [Some(a), Some(b)] if a ^ 1 == b => plain(sheared(a, false)),
-            [Some(a), None] => plain(sheared(a, false)),
-            [None, Some(b)] => plain(sheared(b, true)),
-            [None, None] => vec![[0.0; 2], way],
-            [Some(a), Some(b)] => {
-                let (a, b) = (sheared(a, false), sheared(b, true));
+        match (from, of_end(0), of_end(1)) {
+            ([Some(a), Some(b)], Some(a_course), _) if a ^ 1 == b => plain(a_course),
+            (_, Some(a), Some(b)) => {
                 let blend = |k: usize| {
                     let t = k as f64 / BLENDED as f64;
                     let weight = t * t * (3.0 - 2.0 * t);
@@ -161,37 +189,51 @@ impl CurveOutput {
                 };
                 (0..=BLENDED).map(blend).collect()
             }
+            (_, Some(course), None) | (_, None, Some(course)) => plain(course),
+            (_, None, None) => vec![[0.0; 2], way],
         }
     }
 
-    /// Samples at the distance of another level along the curves, each with the nearest sample of that level where the
-    /// samples so far come from.
-    pub(crate) fn resampled(&self, input: &CurveInput, next: &CurveInput) -> Self {
-        let graph = self.graph(input).sampled(next.scale.distance);
+    /// Samples at the distance of another level along the curves that are made, after those `given` there. Each has the
+    /// nearest sample of that level where the samples so far come from.
+    pub(crate) fn resampled(&self, input: &CurveInput, next: &CurveInput, given: Self) -> Self {
+        let graph = self.graph(input, true).sampled(next.scale.distance);
         let reach = 1.5 * input.scale.distance;
         let index = PointIndex::new(self.plane, reach, &self.points);
+        let standing = PointIndex::new(self.plane, reach, &given.points);
         let numbers: Vec<usize> = (0..graph.points.len()).collect();
-        let source = vtex_base::parallel::map(&numbers, |&n| {
+        // The given sample that a node stands for, or the source of a new one.
+        let of_node = vtex_base::parallel::map(&numbers, |&n| {
             let (at, leaving) = (graph.points[n], &graph.leaving[n]);
             let style = leaving.first().map(|h| graph.edge(*h).style);
             let mut nearest: Option<(f64, u32, [f64; 2])> = None;
+            let mut is_given = false;
             index.within(at, reach, |s, way| {
                 let far = way[0] * way[0] + way[1] * way[1];
+                is_given |= s < self.given() && far == 0.0;
                 let better = nearest.is_none_or(|b| far < b.0 || far == b.0 && (s as u32) < b.1);
                 if Some(self.style[s]) == style && better {
                     nearest = Some((far, s as u32, way));
                 }
             });
+            if is_given {
+                return standing.nearest(at, reach).map(|(g, _)| (Some(g as u32), 0));
+            }
             let (_, s, way) = nearest?;
             let from = input.graph.points[self.source[s as usize] as usize];
-            next.nearest_like([from[0] - way[0], from[1] - way[1]], (style?, leaving.len()))
+            let source = next.nearest_like([from[0] - way[0], from[1] - way[1]], (style?, leaving.len()))?;
+            Some((None, source))
         });
-        let mut new = Self::new(self.plane);
+        let mut new = given;
         let mut number = vec![u32::MAX; graph.points.len()];
-        for (n, source) in source.into_iter().enumerate() {
-            if let Some(source) = source {
-                number[n] = new.push(graph.points[n], source, next);
-                new.style[number[n] as usize] = graph.edge(graph.leaving[n][0]).style;
+        for (n, found) in of_node.into_iter().enumerate() {
+            match found {
+                Some((Some(given), _)) => number[n] = given,
+                Some((None, source)) => {
+                    number[n] = new.push(graph.points[n], source, next);
+                    new.style[number[n] as usize] = graph.edge(graph.leaving[n][0]).style;
+                }
+                None => {}
             }
         }
         for edge in &graph.edges {
@@ -219,6 +261,29 @@ impl CurveInput {
         });
         best.map(|b| b.1)
     }
+}
+
+/// A curve along a way that leaves and arrives in the directions given, each with its share: a cubic by Hermite. Without a
+/// direction, an end bends as the other one asks.
+fn led(way: [f64; 2], ahead: [Option<[f64; 2]>; 2]) -> Vec<([f64; 2], f64)> {
+    let size = libm::sqrt(way[0] * way[0] + way[1] * way[1]);
+    let leave = ahead[0].map(|a| [size * a[0], size * a[1]]);
+    let arrive = ahead[1].map(|a| [-size * a[0], -size * a[1]]);
+    // The tangent at the free end of a parabola.
+    let other = |t: [f64; 2]| [2.0 * way[0] - t[0], 2.0 * way[1] - t[1]];
+    let (leave, arrive) = match (leave, arrive) {
+        (Some(a), Some(b)) => (a, b),
+        (Some(a), None) => (a, other(a)),
+        (None, Some(b)) => (other(b), b),
+        (None, None) => (way, way),
+    };
+    let point = |k: usize| {
+        let t = k as f64 / BLENDED as f64;
+        let (from, to) = (t * (1.0 - t) * (1.0 - t), t * t * (t - 1.0));
+        let share = t * t * (3.0 - 2.0 * t);
+        ([0, 1].map(|i| share * way[i] + from * leave[i] + to * arrive[i]), t)
+    };
+    (0..=BLENDED).map(point).collect()
 }
 
 /// A direction of length 1, or nothing.

@@ -6,7 +6,7 @@ use crate::output::CurveOutput;
 use vtex_base::error::Result;
 use vtex_base::geometry::coherence::NeighbourhoodMatches;
 
-/// Moves samples to where matched neighbourhoods and edges want them.
+/// Moves samples to where matched neighbourhoods and edges want them; given ones stay.
 ///
 /// # Errors
 /// Those of `go_on`.
@@ -25,5 +25,5 @@ pub(crate) fn improve_positions(
             }
         }
     });
-    ways.move_points(&mut output.points, output.plane, go_on)
+    ways.with_fixed(output.given()).move_points(&mut output.points, output.plane, go_on)
 }

@@ -23,7 +23,7 @@ pub(crate) fn matched_pairs<'a>(
     std::iter::once((s as u32, output.source[s])).chain(others.filter(|p| p.1 != NONE))
 }
 
-/// What a sample costs that is left alone (c of §2.4.2).
+/// What a sample costs that is left alone (c of §2.4.2.3).
 pub(crate) fn alone(edges: usize, delta: f64) -> f64 {
     (1.2 + 0.4 * edges as f64).min(2.0) * delta
 }
@@ -53,8 +53,13 @@ impl CompareNeighbourhoods for CurveComparison<'_> {
         let missing =
             |c: usize| if c < inner { alone(input.ways[ids[c] as usize].len(), delta) } else { 0.0 };
         total += (0..inner).map(missing).sum::<f64>();
-        // Rows cost the same alone, so the difference is added here and taken off the row's entries.
-        let spare = |s: usize| if input.is_robust { leave - alone(ways[s].len(), delta) } else { 0.0 };
+        // Rows cost the same alone, so the difference is added here and taken off the row's entries. A given sample is no
+        // outlier.
+        let spare = |s: usize| match input.is_robust {
+            true if s < output.given() => leave - FORCED * delta,
+            true => leave - alone(ways[s].len(), delta),
+            false => 0.0,
+        };
         total -= own.clone().map(|k| spare(near.ids[k] as usize)).sum::<f64>();
         assignment.begin(ids.len(), leave);
         let mut least = 0.0;
