@@ -342,9 +342,9 @@ pub mod statistics {
 pub mod synth {
     #[doc(inline)]
     pub use vtex_arrange::synth::{
-        CategoryReport, ClusterReport, Controls, CurveReport, DrawnContext, StratumReport, Structure, StructureGuide,
-        SynthReport, SynthesisMemory, default_size, layer_map, reconstruct, synthesize, synthesize_again,
-        synthesize_with,
+        CategoryReport, ClusterReport, Controls, CurveReport, DrawnContext, StratumReport, Structure,
+        StructureGuide, SynthReport, SynthesisMemory, default_size, layer_map, reconstruct, synthesize,
+        synthesize_again, synthesize_with,
     };
 }
 

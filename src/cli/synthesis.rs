@@ -58,7 +58,17 @@ impl Synthesis {
             return Err(Failure::usage(message).hint("give --tile, for both axes"));
         }
         let variants = variants.count(&targets)?;
-        Ok(Self { parameters: synth, sized, steering, context: None, svg, render, targets, pattern, variants })
+        Ok(Self {
+            parameters: synth,
+            sized,
+            steering,
+            context: None,
+            svg,
+            render,
+            targets,
+            pattern,
+            variants,
+        })
     }
 
     /// Takes the page of a drawing as the canvas, unless a size was given.

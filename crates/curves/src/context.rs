@@ -92,8 +92,16 @@ impl GivenLines {
 
     /// Whether a place lies in the region, on the canvas or up to `margin` beyond it.
     pub(crate) fn is_shown(&self, at: [f64; 2], margin: f64) -> bool {
-        let on_canvas = |k: usize| (-margin..=self.canvas[k] + margin).contains(&(at[k] + self.low[k]));
-        on_canvas(0) && on_canvas(1) && self.is_inside(at)
+        self.is_near_canvas(at, margin) && self.is_inside(at)
+    }
+
+    /// Whether a place lies on the canvas.
+    pub(crate) fn is_on_canvas(&self, at: [f64; 2]) -> bool {
+        self.is_near_canvas(at, 0.0)
+    }
+
+    fn is_near_canvas(&self, at: [f64; 2], margin: f64) -> bool {
+        (0..2).all(|k| (-margin..=self.canvas[k] + margin).contains(&(at[k] + self.low[k])))
     }
 
     /// Whether curves are made at a place: in the region, and around it where no line is near.
@@ -123,11 +131,7 @@ impl GivenLines {
     ///
     /// # Errors
     /// Those of `go_on`.
-    pub(crate) fn samples(
-        &self,
-        input: &CurveInput,
-        go_on: &dyn Fn() -> Result<()>,
-    ) -> Result<CurveOutput> {
+    pub(crate) fn samples(&self, input: &CurveInput, go_on: &dyn Fn() -> Result<()>) -> Result<CurveOutput> {
         let own = CurveInput::alone(&self.lines, input.scale);
         go_on()?;
         let chosen: Vec<u32> =

@@ -27,7 +27,9 @@ const ALONG: f64 = 0.2;
 const CHANGE: f64 = 0.22;
 /// The same for a page that repeats: patches of regular drawings that are out of step are seen at once.
 const CHANGE_REGULAR: f64 = 0.04;
-/// Ways from given samples to their sources that are tried for a patch.
+/// Distance of ways from given samples to their sources that count as one, in sample distances, and most ways that are
+/// tried for a patch.
+const SAME: f64 = 0.6;
 const COMMON: usize = 4;
 /// Most samples that are remembered as alike, some 64 MB.
 const MOST_KNOWN: usize = 1 << 24;
@@ -137,7 +139,8 @@ pub(crate) fn patches(
         let mut going_on: Vec<[f64; 2]> = beside.iter().filter_map(|b| patches[*b].offset).collect();
         going_on.extend(common_offsets(input, &output, &patches[p]));
         let mut random = stream(seed, "curves/patches", p as u64);
-        let around = PatchSurroundings { patch: &patches[p], rim: &rim, plane, given };
+        let known = given.map(|lines| KnownPlaces { lines, patches: &patches, count, size });
+        let around = PatchSurroundings { patch: &patches[p], rim: &rim, plane, known };
         let offset = choose(&mut alike, &around, &going_on, (variation, &mut random));
         let patch = &mut patches[p];
         patch.offset = Some(offset);
@@ -174,22 +177,50 @@ fn order(patches: &[Patch], output: &CurveOutput) -> Vec<usize> {
 /// The commonest ways from given samples around a patch to their sources.
 fn common_offsets(input: &CurveInput, output: &CurveOutput, patch: &Patch) -> Vec<[f64; 2]> {
     let page = input.graph.plane;
-    let mut found: Vec<(u32, [f64; 2])> = Vec::new();
+    // Each way with the samples that have about the same.
+    let mut found: Vec<([f64; 2], Vec<usize>)> = Vec::new();
+    let offset = |s: usize| {
+        let (at, to) = (output.points[s], input.graph.points[output.source[s] as usize]);
+        [to[0] - at[0], to[1] - at[1]]
+    };
     for s in 0..output.given() {
-        let at = output.points[s];
-        if depth(patch, output.plane, at) > BAND * input.scale.radius {
+        if depth(patch, output.plane, output.points[s]) > BAND * input.scale.radius {
             continue;
         }
-        let to = input.graph.points[output.source[s] as usize];
-        let offset = [to[0] - at[0], to[1] - at[1]];
-        let near = ON_LINE * input.scale.distance;
-        match found.iter_mut().find(|f| length(page.between(f.1, offset)) < near) {
-            Some(known) => known.0 += 1,
-            None => found.push((1, offset)),
+        let own = offset(s);
+        match found.iter_mut().find(|f| length(page.between(f.0, own)) < SAME * input.scale.distance) {
+            Some(known) => known.1.push(s),
+            None => found.push((own, vec![s])),
         }
     }
-    found.sort_by_key(|f| std::cmp::Reverse(f.0));
-    found.into_iter().take(COMMON).map(|f| f.1).collect()
+    found.sort_by_key(|f| std::cmp::Reverse(f.1.len()));
+    found.truncate(COMMON);
+    // Samples stand anywhere along their curves, so only the way across the curves counts.
+    let exact = |(about, samples): ([f64; 2], Vec<usize>)| {
+        let [mut a, mut b, mut c, mut right] = [[1e-3, 0.0], [0.0, 1e-3], [0.0; 2], [0.0; 2]];
+        for s in samples {
+            let way = page.between(about, offset(s));
+            let leaving = &input.graph.leaving[output.source[s] as usize];
+            let along = match leaving[..] {
+                [first, _] => input.graph.tangent(first),
+                _ => [0.0; 2],
+            };
+            let across = [
+                [1.0 - along[0] * along[0], -along[0] * along[1]],
+                [-along[0] * along[1], 1.0 - along[1] * along[1]],
+            ];
+            for k in 0..2 {
+                a[k] += across[0][k];
+                b[k] += across[1][k];
+                right[k] += across[k][0] * way[0] + across[k][1] * way[1];
+            }
+        }
+        let size = a[0] * b[1] - a[1] * b[0];
+        c[0] = (right[0] * b[1] - right[1] * a[1]) / size;
+        c[1] = (right[1] * a[0] - right[0] * b[0]) / size;
+        [about[0] + c[0], about[1] + c[1]]
+    };
+    found.into_iter().map(exact).collect()
 }
 
 impl Patch {
@@ -238,7 +269,28 @@ struct PatchSurroundings<'a> {
     patch: &'a Patch,
     rim: &'a Rim,
     plane: PeriodicPlane,
-    given: Option<&'a GivenLines>,
+    /// The places beside given lines at which it is known what is there.
+    known: Option<KnownPlaces<'a>>,
+}
+
+/// The places where patches are, and those where only given lines are.
+#[derive(Clone, Copy)]
+struct KnownPlaces<'a> {
+    lines: &'a GivenLines,
+    patches: &'a [Patch],
+    count: [usize; 2],
+    size: [f64; 2],
+}
+
+impl KnownPlaces<'_> {
+    /// Whether it is known what is at a place.
+    fn hold(&self, at: [f64; 2]) -> bool {
+        if !self.lines.is_free(at) {
+            return self.lines.is_on_canvas(at);
+        }
+        let [i, j] = [0, 1].map(|k| ((at[k] / self.size[k]) as usize).min(self.count[k] - 1));
+        self.patches[j * self.count[0] + i].offset.is_some()
+    }
 }
 
 /// The way from the canvas to the exemplar for a patch.
@@ -346,15 +398,15 @@ fn alike(input: &CurveInput, a: u32, b: u32) -> bool {
 /// Mean misfit of a patch to what is there, in sample distances: how far the exemplar's samples around the patch, and
 /// in it where nothing is made, are from the curves there, and the other way round.
 fn misfit(input: &CurveInput, around: &PatchSurroundings<'_>, offset: [f64; 2], near: &[usize]) -> f64 {
-    let &PatchSurroundings { patch, rim, plane, given } = around;
+    let &PatchSurroundings { patch, rim, plane, known } = around;
     let (delta, band) = (input.scale.distance, BAND * input.scale.radius);
     let page = input.graph.plane;
-    // Samples of the patch itself, which are compared with given ones alone, come last.
+    // Samples of which it is not known yet whether they fit come last: only given ones are compared with them.
     let (mut expected, own): (Vec<([f64; 2], u32)>, Vec<_>) = within(input, patch, offset, band)
         .into_iter()
-        .partition(|e| depth(patch, plane, e.0) > 0.0 || given.is_some_and(|g| !g.is_free(e.0)));
+        .partition(|e| known.map_or(depth(patch, plane, e.0) > 0.0, |known| known.hold(e.0)));
     let outer = expected.len();
-    if given.is_some() {
+    if known.is_some() {
         expected.extend(own);
     }
     let places: Vec<[f64; 2]> = expected.iter().map(|e| plane.wrapped(e.0)).collect();
@@ -385,8 +437,7 @@ fn misfit(input: &CurveInput, around: &PatchSurroundings<'_>, offset: [f64; 2], 
             let cost = apart(*source, rim.samples[n].1, way);
             best = Some(best.map_or(cost, |b: f64| b.min(cost)));
         });
-        let known = best.is_some() || rim.index.any(*at, 2.0 * input.scale.radius);
-        if known {
+        if known.is_some() || best.is_some() || rim.index.any(*at, 2.0 * input.scale.radius) {
             sum += best.unwrap_or(1.0);
             count += 1.0;
         }

@@ -169,7 +169,9 @@ fn remove_lonely(output: &mut CurveOutput, input: &CurveInput, counts: &mut Curv
         .incident()
         .iter()
         .enumerate()
-        .map(|(s, at)| s < output.given() || !at.is_empty() || input.graph.degree(output.source[s] as usize) == 0)
+        .map(|(s, at)| {
+            s < output.given() || !at.is_empty() || input.graph.degree(output.source[s] as usize) == 0
+        })
         .collect();
     counts.removed += keep.iter().filter(|k| !**k).count();
     output.retain(&keep);

@@ -181,7 +181,10 @@ pub fn curves_beside(
         let (output, samples, mut result) = task.attempt(&levels, go_on)?;
         let graph = output.graph(&samples, true);
         let share = graph.length() / wanted.max(1e-9);
-        if number < last && !(LEAST_LENGTH..=1.0 / LEAST_LENGTH).contains(&share) && !params.without.no_patches {
+        if number < last
+            && !(LEAST_LENGTH..=1.0 / LEAST_LENGTH).contains(&share)
+            && !params.without.no_patches
+        {
             continue;
         }
         let whole = CurveMeasures::of_part(&output.graph(&samples, false), |p| lines.is_shown(p, 0.0));
@@ -191,7 +194,7 @@ pub fn curves_beside(
         let ends: Vec<usize> = leads.collect();
         result.continued = [ends.len(), ends.iter().filter(|s| is_continued(s)).count()];
         let margin = BEYOND * coarsest.radius;
-        result.curves = traced_beside(&graph, (&lines, output.given()), (margin, params.tolerance));
+        result.curves = traced_beside(&graph, (&lines, &output.ahead), (margin, params.tolerance));
         made = result;
         break;
     }

@@ -143,19 +143,53 @@ impl CurveOutput {
         }
     }
 
-    /// The graph of the curves along all edges, or along those that are made.
+    /// The graph of the curves along all edges, or along those that are made. Where a given curve goes on, they do so in
+    /// its direction.
     pub(crate) fn graph(&self, input: &CurveInput, made: bool) -> CurveGraph {
         let first = if made { self.given_edges } else { 0 };
-        let edges = (first..self.edges.len()).map(|e| CurveEdge {
+        let mut leaving = vec![0u32; self.given()];
+        for s in self.made_edges().iter().flat_map(|e| e.ends).filter(|s| (*s as usize) < self.given()) {
+            leaving[s as usize] += 1;
+        }
+        // Where several edges leave an end, none of them goes on alone.
+        let ahead = |e: usize| {
+            let goes_on =
+                |s: u32| self.ahead(s).filter(|_| e >= self.given_edges && leaving[s as usize] == 1);
+            self.edges[e].ends.map(goes_on)
+        };
+        let numbers: Vec<usize> = (first..self.edges.len()).collect();
+        let is_led = |e: usize| ahead(e).iter().any(Option::is_some);
+        let mut shapes: Vec<Vec<[f64; 2]>> = vec![Vec::new(); self.edges.len()];
+        for &e in numbers.iter().filter(|e| !is_led(**e)) {
+            shapes[e] = self.course(e as u32, input);
+        }
+        let incident = self.incident();
+        for &e in numbers.iter().filter(|e| is_led(**e)) {
+            let edge = &self.edges[e];
+            // The other end takes over the direction of the edge that follows.
+            let direction = |d: usize| {
+                ahead(e)[d].or_else(|| match incident[edge.ends[d] as usize][..] {
+                    [a, b] => {
+                        let (next, side) = if a.0 as usize == e { b } else { a };
+                        let course = &shapes[next as usize];
+                        (course.len() > 1).then(|| leaving_direction(course, side).map(|v| -v))
+                    }
+                    _ => edge.from[d].map(|half| input.graph.tangent(half)),
+                })
+            };
+            shapes[e] = led(self.way((e as u32, 0)), [direction(0), direction(1)]);
+        }
+        let edge = |e: usize| CurveEdge {
             ends: self.edges[e].ends,
-            shape: self.course(e as u32, input),
+            shape: std::mem::take(&mut shapes[e]),
             style: self.edges[e].style,
-        });
-        CurveGraph::new(self.plane, self.points.clone(), vec![false; self.len()], edges.collect())
+        };
+        let edges = numbers.into_iter().map(edge).collect();
+        CurveGraph::new(self.plane, self.points.clone(), vec![false; self.len()], edges)
     }
 
     /// The course of an edge: that of the half-edge which it follows, sheared to its own way; where its ends follow two,
-    /// from the one to the other. From where a given curve goes on, it does so smoothly.
+    /// from the one to the other.
     fn course(&self, e: u32, input: &CurveInput) -> Vec<[f64; 2]> {
         let way = self.way((e, 0));
         let sheared = |half: u32, backwards: bool| {
@@ -171,16 +205,14 @@ impl CurveOutput {
             };
             course.iter().map(step).collect::<Vec<_>>()
         };
-        let JoinedEdge { ends, from, .. } = self.edges[e as usize];
-        let ahead = ends.map(|s| self.ahead(s).filter(|_| e as usize >= self.given_edges));
-        let of_end = |d: usize| match (from[d], ahead) {
-            (_, [None, None]) | (Some(_), _) => from[d].map(|half| sheared(half, d == 1)),
-            (None, ahead) => ahead[d].map(|_| led(way, ahead)),
-        };
         let plain = |course: Vec<([f64; 2], f64)>| course.into_iter().map(|c| c.0).collect();
-        match (from, of_end(0), of_end(1)) {
-            ([Some(a), Some(b)], Some(a_course), _) if a ^ 1 == b => plain(a_course),
-            (_, Some(a), Some(b)) => {
+        match self.edges[e as usize].from {
+            [Some(a), Some(b)] if a ^ 1 == b => plain(sheared(a, false)),
+            [Some(a), None] => plain(sheared(a, false)),
+            [None, Some(b)] => plain(sheared(b, true)),
+            [None, None] => vec![[0.0; 2], way],
+            [Some(a), Some(b)] => {
+                let (a, b) = (sheared(a, false), sheared(b, true));
                 let blend = |k: usize| {
                     let t = k as f64 / BLENDED as f64;
                     let weight = t * t * (3.0 - 2.0 * t);
@@ -189,8 +221,6 @@ impl CurveOutput {
                 };
                 (0..=BLENDED).map(blend).collect()
             }
-            (_, Some(course), None) | (_, None, Some(course)) => plain(course),
-            (_, None, None) => vec![[0.0; 2], way],
         }
     }
 
@@ -263,12 +293,12 @@ impl CurveInput {
     }
 }
 
-/// A curve along a way that leaves and arrives in the directions given, each with its share: a cubic by Hermite. Without a
-/// direction, an end bends as the other one asks.
-fn led(way: [f64; 2], ahead: [Option<[f64; 2]>; 2]) -> Vec<([f64; 2], f64)> {
+/// A curve along a way, with the directions of length 1 into it from its ends: a cubic by Hermite. An end without a
+/// direction bends as the other one asks.
+fn led(way: [f64; 2], directions: [Option<[f64; 2]>; 2]) -> Vec<[f64; 2]> {
     let size = libm::sqrt(way[0] * way[0] + way[1] * way[1]);
-    let leave = ahead[0].map(|a| [size * a[0], size * a[1]]);
-    let arrive = ahead[1].map(|a| [-size * a[0], -size * a[1]]);
+    let leave = directions[0].map(|a| [size * a[0], size * a[1]]);
+    let arrive = directions[1].map(|a| [-size * a[0], -size * a[1]]);
     // The tangent at the free end of a parabola.
     let other = |t: [f64; 2]| [2.0 * way[0] - t[0], 2.0 * way[1] - t[1]];
     let (leave, arrive) = match (leave, arrive) {
@@ -281,9 +311,16 @@ fn led(way: [f64; 2], ahead: [Option<[f64; 2]>; 2]) -> Vec<([f64; 2], f64)> {
         let t = k as f64 / BLENDED as f64;
         let (from, to) = (t * (1.0 - t) * (1.0 - t), t * t * (t - 1.0));
         let share = t * t * (3.0 - 2.0 * t);
-        ([0, 1].map(|i| share * way[i] + from * leave[i] + to * arrive[i]), t)
+        [0, 1].map(|i| share * way[i] + from * leave[i] + to * arrive[i])
     };
     (0..=BLENDED).map(point).collect()
+}
+
+/// The direction in which a course leaves its beginning, or its end.
+fn leaving_direction(course: &[[f64; 2]], end: usize) -> [f64; 2] {
+    let last = course.len() - 1;
+    let [from, to] = if end == 0 { [course[0], course[1]] } else { [course[last], course[last - 1]] };
+    unit([to[0] - from[0], to[1] - from[1]])
 }
 
 /// A direction of length 1, or nothing.

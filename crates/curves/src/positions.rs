@@ -5,6 +5,10 @@ use crate::input::CurveInput;
 use crate::output::CurveOutput;
 use vtex_base::error::Result;
 use vtex_base::geometry::coherence::NeighbourhoodMatches;
+use vtex_base::geometry::plane::length;
+
+/// Weight of the direction in which a given curve goes on, in neighbourhoods.
+const AHEAD: usize = 12;
 
 /// Moves samples to where matched neighbourhoods and edges want them; given ones stay.
 ///
@@ -18,6 +22,16 @@ pub(crate) fn improve_positions(
 ) -> Result<()> {
     let incident = output.incident();
     let ways = matches.wanted_ways(&output.source, input.sources(), |s, ways| {
+        let made = |of: &&(u32, usize)| of.0 as usize >= output.given_edges;
+        if let Some(ahead) = output.ahead(s as u32)
+            && let [(e, d)] = incident[s].iter().filter(made).collect::<Vec<_>>()[..]
+        {
+            let way = output.way((*e, *d));
+            let far = length(way);
+            let change = [far * ahead[0] - way[0], far * ahead[1] - way[1]];
+            let other = output.edges[*e as usize].ends[1 - d];
+            (0..AHEAD).for_each(|_| ways.add(other, change));
+        }
         for &(e, d) in &incident[s] {
             if let Some(half) = output.edges[e as usize].from[d] {
                 let (way, wanted) = (output.way((e, d)), input.graph.way(half));

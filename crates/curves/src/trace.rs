@@ -35,12 +35,12 @@ pub(crate) struct ShownPart {
     pub(crate) margin: f64,
 }
 
-/// The curves of a graph beside given lines, as far as they lie in the region. Where one begins at a given line, it
-/// reaches that also if the line ends before the region. Curves lead up to `margin` beyond the canvas. `given` nodes,
-/// the first ones, belong to lines.
+/// The curves of a graph beside given lines, as far as they lie in the region. Where one goes on from the end of a line,
+/// it reaches that also if the line ends before the region: `ahead` says of the first nodes whether they are such ends.
+/// Curves lead up to `margin` beyond the canvas.
 pub(crate) fn traced_beside(
     graph: &CurveGraph,
-    (lines, given): (&GivenLines, usize),
+    (lines, ahead): (&GivenLines, &[Option<[f64; 2]>]),
     (margin, tolerance): (f64, f64),
 ) -> Vec<TracedCurve> {
     let chains = graph.chains(true);
@@ -50,7 +50,7 @@ pub(crate) fn traced_beside(
         let step = (2.0 * tolerance).max(FINEST * along(&course));
         let points = even(&course, step, chain.closed);
         let nodes = [graph.start(chain.halves[0]), graph.end(chain.halves[chain.halves.len() - 1])];
-        let leaves_line = nodes.map(|n| (n as usize) < given);
+        let leaves_line = nodes.map(|n| ahead.get(n as usize).is_some_and(Option::is_some));
         let parts = lines.parts((points, chain.closed), leaves_line, margin);
         let curve = |(mut points, closed): (Vec<CoursePoint>, bool)| {
             let is_shown = |w: &&[CoursePoint]| {
@@ -91,7 +91,8 @@ impl GivenLines {
         if inside.iter().all(|i| *i) {
             return vec![(points, closed)];
         }
-        let (Some(first), Some(last)) = (inside.iter().position(|i| *i), inside.iter().rposition(|i| *i)) else {
+        let (Some(first), Some(last)) = (inside.iter().position(|i| *i), inside.iter().rposition(|i| *i))
+        else {
             return Vec::new();
         };
         let shown = |k: usize| inside[k] || leaves_line[0] && k < first || leaves_line[1] && k > last;

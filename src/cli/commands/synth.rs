@@ -113,7 +113,9 @@ impl SynthArgs {
         read_weights(parameters.weights.clone(), first, &mut parameters.synth)?;
         if context.is_some() && libraries.len() > 1 {
             let message = format!("--context is for a single library, {} are given", libraries.len());
-            return Err(Failure::usage(message).hint("give the library of which the region is to be filled").into());
+            return Err(Failure::usage(message)
+                .hint("give the library of which the region is to be filled")
+                .into());
         }
         let synthesis = Synthesis::new(parameters, steering, targets, (pattern, variants), &force)?;
         Ok((libraries, Synthesis { context, ..synthesis }))

@@ -70,7 +70,12 @@ impl Controls {
         check(maps == count || (maps == 0 && count == 1), "map", maps, "a map of shares for each library")?;
         check(self.structure.is_none() || count == 1, "libraries", count, "one library where a map leads")?;
         let alone = self.context.is_none() || count == 1 && self.domain.is_none();
-        check(alone, "context", count, "one library, without a domain: the region is the shape that is filled")?;
+        check(
+            alone,
+            "context",
+            count,
+            "one library, without a domain: the region is the shape that is filled",
+        )?;
         let Some(StructureGuide::Strata(map)) = &self.structure else { return Ok(()) };
         let most = map.labels.iter().max().map_or(0, |&label| label as usize);
         check(most < libraries[0].strata().len(), "control", most, "numbers of layers of the library, from 0")

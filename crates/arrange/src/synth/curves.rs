@@ -10,9 +10,7 @@ use vtex_base::error::{Error, Result};
 use vtex_base::geometry::plane::PeriodicPlane;
 use vtex_base::geometry::{Affine, Point};
 use vtex_base::progress::{Progress, advance};
-use vtex_curves::{
-    CurveContext, CurveGraph, CurveParams, CurveParts, CurveResult, curves, curves_beside,
-};
+use vtex_curves::{CurveContext, CurveGraph, CurveParams, CurveParts, CurveResult, curves, curves_beside};
 use vtex_scene::library::{Library, Role};
 use vtex_scene::scene::{Ablation, Element, InstanceId, Layer, Scene, SynthParams};
 
@@ -102,8 +100,7 @@ pub(super) fn synthesize(
     });
     let libraries = std::slice::from_ref(library);
     let scene = if controls.context.is_some() {
-        let predicted =
-            Layer { name: Layer::PREDICTED.into(), predicted: true, ..Layer::new(Role::Primary) };
+        let predicted = Layer { name: Layer::PREDICTED.into(), predicted: true, ..Layer::new(Role::Primary) };
         let scene = blank(libraries, &params, controls, vec![predicted]);
         compose(scene, InstanceId(0), libraries, placements.map(|p| Placement { layer: 0, ..p }))
     } else {

@@ -154,7 +154,12 @@ impl LineDrawing {
 
     /// Share of the canvas that the lines of each category cover: their lengths times their widths, as against the
     /// exemplar's.
-    pub(super) fn covered(&self, library: &Library, found: &CurveResult, params: &SynthParams) -> Vec<CategoryReport> {
+    pub(super) fn covered(
+        &self,
+        library: &Library,
+        found: &CurveResult,
+        params: &SynthParams,
+    ) -> Vec<CategoryReport> {
         let areas = |lengths: &mut dyn Iterator<Item = (u32, f64)>| {
             let mut sums = vec![0.0; library.categories.len()];
             for (style, length) in lengths {
@@ -272,4 +277,3 @@ fn extend(ink: &mut Ink, rim: [usize; 2]) {
         }
     }
 }
-

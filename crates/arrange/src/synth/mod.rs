@@ -11,9 +11,9 @@ mod canvas_parts;
 mod clustered;
 pub(crate) mod compose;
 mod covered;
-mod drawn;
 #[cfg(feature = "curves")]
 mod curves;
+mod drawn;
 #[cfg(feature = "curves")]
 mod line_drawing;
 #[cfg(test)]

@@ -310,7 +310,8 @@ fn energy_falls_from_noise_and_patches_begin_lower() {
     let canvas = page([450.0, 400.0], true);
     let without = CurveParts { no_patches: true, ..CurveParts::default() };
     let params = CurveParams { without, ..params(canvas.size, true) };
-    let (_, random) = level_of(noise(&input, CurveOutput::new(canvas), 4, None), &input, (&params, None), &go_on).unwrap();
+    let (_, random) =
+        level_of(noise(&input, CurveOutput::new(canvas), 4, None), &input, (&params, None), &go_on).unwrap();
     let first = patches(&input, CurveOutput::new(canvas), (1.0, 4), None, &go_on).unwrap();
     let (_, patched) = level_of(first, &input, (&params, None), &go_on).unwrap();
     // Noise has no edges at first, which cost nothing: the second iteration is the first with all terms.

@@ -112,7 +112,8 @@ pub fn import(bytes: &[u8], name: &str, params: &ImportParams, progress: &dyn Pr
 /// # Errors
 /// Those of [`import`], which is not lenient.
 pub fn as_drawn(bytes: &[u8], name: &str, progress: &dyn Progress) -> Result<Library> {
-    let analyze = AnalyzeParams { elements: Grouping::Path, group: MotifGrouping::None, ..AnalyzeParams::default() };
+    let analyze =
+        AnalyzeParams { elements: Grouping::Path, group: MotifGrouping::None, ..AnalyzeParams::default() };
     import(bytes, name, &ImportParams { wrap: Some(false), analyze }, progress)
 }
 
