@@ -10,6 +10,8 @@ use vtex_base::geometry::plane::{PointIndex, Vicinity};
 
 /// What a sample costs that has no match though every one should, in sample distances: more than any match.
 const FORCED: f64 = 100.0;
+/// Longest distance of matched samples beside given lines, in sample distances.
+const BESIDE_GIVEN: f64 = 1.2;
 /// Neighbours whose sources are asked.
 const ASKED: usize = 12;
 
@@ -63,7 +65,9 @@ impl CompareNeighbourhoods for CurveComparison<'_> {
         total -= own.clone().map(|k| spare(near.ids[k] as usize)).sum::<f64>();
         assignment.begin(ids.len(), leave);
         let mut least = 0.0;
-        let reach = 4.0 * leave * leave;
+        // Beside given lines something may be missing for good, which nothing far away should stand for.
+        let farthest = if output.given() > 0 { BESIDE_GIVEN * delta } else { 2.0 * leave };
+        let reach = farthest * farthest;
         for k in own {
             let (way, other) = (near.ways[k], near.ids[k] as usize);
             let (of, spare) = ((&ways[other][..], output.style[other]), spare(other));
