@@ -8,7 +8,7 @@
 use crate::graph::CurveGraph;
 use crate::input::{CurveInput, CurveScale};
 use crate::output::{CurveOutput, JoinedEdge};
-use crate::search::search;
+use crate::search::{choose_sources, search};
 use vtex_base::error::Result;
 use vtex_base::geometry::plane::{PeriodicPlane, PointIndex};
 use vtex_base::geometry::{Interior, Outline, Point};
@@ -22,7 +22,9 @@ const BESIDE: f64 = 1.0;
 const DENSE: f64 = 0.2;
 /// Steps in which it is asked whether a loose end leads into the region, and the length of all in finest distances.
 const AHEAD: [f64; 5] = [0.02, 0.25, 0.5, 0.75, 1.0];
-/// Searches for the sources of the lines' samples, besides that by their surroundings.
+/// Samples of the exemplar with like surroundings whose neighbourhoods are compared with that of each sample of the lines,
+/// and searches for better ones after that.
+const CANDIDATES: usize = 24;
 const SEARCHES: usize = 3;
 /// Most samples of the exemplar that each sample of the lines is compared with first.
 const MOST_COMPARED: usize = 3000;
@@ -139,7 +141,7 @@ impl GivenLines {
         let known = input.len().div_ceil(MOST_COMPARED).max(1);
         let others: Vec<u32> = (0..input.len() as u32).step_by(known).collect();
         let of_input = parallel::map(&others, |i| input.descriptor(*i as usize));
-        let sources = parallel::map(&chosen, |s| {
+        let candidates = parallel::map(&chosen, |s| {
             let descriptor = own.descriptor(*s as usize);
             let cost = |k: usize| -> f64 {
                 let far: f64 = descriptor.iter().zip(&of_input[k]).map(|(a, b)| (a - b) * (a - b)).sum();
@@ -147,14 +149,17 @@ impl GivenLines {
                 let other = own.style[*s as usize] != input.style[others[k] as usize];
                 if other { far + 1e6 } else { far }
             };
-            let best = (0..others.len()).map(|k| (cost(k), others[k])).min_by(|a, b| a.0.total_cmp(&b.0));
-            best.map_or(0, |b| b.1)
+            let mut all: Vec<(f64, u32)> = (0..others.len()).map(|k| (cost(k), others[k])).collect();
+            all.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+            // Copies of one sample on a page that repeats count once.
+            all.dedup_by(|a, b| a.0 - b.0 < 1e-9);
+            all.into_iter().take(CANDIDATES).map(|c| c.1).collect::<Vec<u32>>()
         });
         go_on()?;
         let mut output = CurveOutput::new(self.plane);
         let mut number = vec![u32::MAX; own.len()];
-        for (s, source) in chosen.iter().zip(sources) {
-            let s = *s as usize;
+        for (s, candidates) in chosen.iter().zip(&candidates) {
+            let (s, source) = (*s as usize, candidates.first().copied().unwrap_or(0));
             number[s] = output.push(own.graph.points[s], source, input);
             output.style[number[s] as usize] = own.style[s];
             output.ahead.push(self.leads_on(&own.graph, s));
@@ -166,6 +171,7 @@ impl GivenLines {
             }
         }
         output.given_edges = output.edges.len();
+        choose_sources(&mut output, input, &candidates, go_on)?;
         for _ in 0..SEARCHES {
             search(&mut output, input, go_on)?;
         }

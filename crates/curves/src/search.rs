@@ -7,11 +7,14 @@ use vtex_base::error::Result;
 use vtex_base::geometry::coherence::{self, CompareNeighbourhoods, NeighbourhoodMatches};
 use vtex_base::geometry::dense::{DenseAssignment, NONE};
 use vtex_base::geometry::plane::{PointIndex, Vicinity};
+use vtex_base::parallel;
 
 /// What a sample costs that has no match though every one should, in sample distances: more than any match.
 const FORCED: f64 = 100.0;
 /// Longest distance of matched samples beside given lines, in sample distances.
 const BESIDE_GIVEN: f64 = 1.2;
+/// Samples between two questions whether to go on.
+const AT_ONCE: usize = 256;
 /// Neighbours whose sources are asked.
 const ASKED: usize = 12;
 
@@ -121,4 +124,38 @@ pub(crate) fn search(
     let found = coherence::search(input.sources(), &near, (&output.source, ASKED), compare, go_on)?;
     output.source = found.source;
     Ok(NeighbourhoodMatches { near, matched: found.matched, cost: found.cost })
+}
+
+/// Lets each sample have that of its candidates whose neighbourhood is most similar. `go_on` is asked in between.
+///
+/// # Errors
+/// Those of `go_on`.
+pub(crate) fn choose_sources(
+    output: &mut CurveOutput,
+    input: &CurveInput,
+    candidates: &[Vec<u32>],
+    go_on: &dyn Fn() -> Result<()>,
+) -> Result<()> {
+    let radius = input.scale.radius;
+    let index = PointIndex::new(output.plane, radius, &output.points);
+    let near = Vicinity::new(&index, &output.points, radius, (MOST_NEAR_OUTPUT, true));
+    let ways = output.ways();
+    let samples: Vec<usize> = (0..output.len()).collect();
+    let mut chosen = Vec::with_capacity(samples.len());
+    for part in samples.chunks(AT_ONCE) {
+        go_on()?;
+        chosen.extend(parallel::map(part, |s| {
+            let assignment = DenseAssignment::default();
+            let mut compare = CurveComparison { input, output, ways: &ways, near: &near, assignment };
+            let mut best = (output.source[*s], f64::INFINITY);
+            for source in &candidates[*s] {
+                if let Some(cost) = compare.distance(*s, *source, best.1) {
+                    best = (*source, cost);
+                }
+            }
+            best.0
+        }));
+    }
+    output.source = chosen;
+    Ok(())
 }

@@ -55,10 +55,12 @@ pub(super) fn synthesize(
         size: [library.source.width, library.source.height].map(f64::from),
         wraps: [periodic; 2],
     };
-    let mut drawing = LineDrawing::new(library, page(periodic), &go_on)?;
+    // What is drawn beside has layers and categories of its own.
+    let by_look = controls.context.is_some();
+    let mut drawing = LineDrawing::new(library, page(periodic), by_look, &go_on)?;
     let mut graph = drawing.exemplar.graph(&go_on)?;
     if periodic && !drawing.exemplar.is_seamless(&graph) {
-        drawing = LineDrawing::new(library, page(false), &go_on)?;
+        drawing = LineDrawing::new(library, page(false), by_look, &go_on)?;
         graph = drawing.exemplar.graph(&go_on)?;
     }
     let asked = CurveParams {
@@ -126,7 +128,7 @@ fn continued(
     go_on: &dyn Fn() -> Result<()>,
 ) -> Result<CurveResult> {
     let page = PeriodicPlane { size: asked.size, wraps: [false; 2] };
-    let mut drawn = LineDrawing::new(&context.drawing, page, go_on)?;
+    let mut drawn = LineDrawing::new(&context.drawing, page, true, go_on)?;
     if drawn.exemplar.strokes.is_empty() {
         return Err(Error::Control {
             name: context.drawing.source.file.clone(),

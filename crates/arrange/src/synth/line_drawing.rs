@@ -68,13 +68,15 @@ pub(super) struct LineDrawing {
 }
 
 impl LineDrawing {
-    /// The lines of a library on a page.
+    /// The lines of a library on a page. `by_look`: lines of one appearance have one style, whatever their layers and
+    /// categories.
     ///
     /// # Errors
     /// Those of `go_on`.
     pub(super) fn new(
         library: &Library,
         page: PeriodicPlane,
+        by_look: bool,
         go_on: &dyn Fn() -> Result<()>,
     ) -> Result<Self> {
         let (mut styles, mut strokes): (Vec<LineStyle>, Vec<CurveStroke>) = (Vec::new(), Vec::new());
@@ -106,7 +108,7 @@ impl LineDrawing {
                         category: element.category,
                         is_painted: shape.line.is_none(),
                     };
-                    let known = styles.iter().position(|s| s.is_like(&fresh));
+                    let known = styles.iter().position(|s| s.is_like(&fresh, by_look));
                     let style = known.unwrap_or(styles.len());
                     match &shape.line {
                         Some(line) => strokes.extend(of_path(line, style as u32)),
@@ -190,12 +192,15 @@ impl LineStyle {
         libm::sqrt(apart) / COLOUR + libm::log(self.line.width / other.line.width).abs()
     }
 
-    /// Whether lines of the two styles look the same. The width of painted ones is found later.
-    fn is_like(&self, other: &Self) -> bool {
+    /// Whether lines of the two styles look the same and, unless only that counts, are of one layer and category. The
+    /// width of painted ones is found later.
+    fn is_like(&self, other: &Self, by_look: bool) -> bool {
         let line =
             |s: &Self| if s.is_painted { Line { width: 1.0, ..s.line.clone() } } else { s.line.clone() };
+        let place = |s: &Self| (s.layer, s.category);
         self.is_painted == other.is_painted
-            && (self.colour, self.layer, self.category) == (other.colour, other.layer, other.category)
+            && self.colour == other.colour
+            && (by_look || place(self) == place(other))
             && self.opacity == other.opacity
             && line(self) == line(other)
     }
