@@ -8,6 +8,8 @@
 //! Beyond the paper, an edge of the result follows one of the exemplar, so that its course survives, and loose ends that
 //! the exemplar does not have are joined or removed.
 //!
+//! [`curves_beside`] goes on from lines that stand already, in a region beside them.
+//!
 //! Works badly for structure larger than a few neighbourhoods, such as long straight lines or letters, and where equal
 //! curves lie nearer to one another than the sample distance.
 
@@ -18,6 +20,7 @@ mod existence;
 mod graph;
 mod initial;
 mod input;
+mod joints;
 mod measures;
 mod mend;
 mod optimise;

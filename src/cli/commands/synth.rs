@@ -23,6 +23,7 @@ use crate::cli::weights::read_weights;
 use clap::Args;
 use std::path::PathBuf;
 use vtex::output::file::Format;
+use vtex::scene::{Method, SynthParams};
 
 const MAKES: Makes = Makes { allowed: format::OF_SCENE, usual: Format::Svg, word: "" };
 
@@ -111,15 +112,26 @@ impl SynthArgs {
         steering.check(&read, &outputs(&output))?;
         steering.check_counts(libraries.len())?;
         read_weights(parameters.weights.clone(), first, &mut parameters.synth)?;
-        if context.is_some() && libraries.len() > 1 {
-            let message = format!("--context is for a single library, {} are given", libraries.len());
-            return Err(Failure::usage(message)
-                .hint("give the library of which the region is to be filled")
-                .into());
+        if context.is_some() {
+            check_context(libraries.len(), &parameters.synth)?;
         }
         let synthesis = Synthesis::new(parameters, steering, targets, (pattern, variants), &force)?;
         Ok((libraries, Synthesis { context, ..synthesis }))
     }
+}
+
+/// Refuses what does not go with a drawing that stays.
+fn check_context(libraries: usize, asked: &SynthParams) -> Result<(), Failure> {
+    let (message, hint) = match asked.method {
+        _ if libraries > 1 => {
+            let message = format!("--context is for a single library, {libraries} are given");
+            (message, "give the library of which the region is to be filled")
+        }
+        _ if asked.tile.any() => ("--context does not go with --tile".into(), "leave out --tile"),
+        Method::Auto | Method::Curves => return Ok(()),
+        _ => ("--context is for --method curves".into(), "leave out --method"),
+    };
+    Err(Failure::usage(message).hint(hint))
 }
 
 fn run(

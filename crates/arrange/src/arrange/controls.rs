@@ -4,7 +4,6 @@ use vtex_base::error::{Result, check};
 use vtex_base::geometry::{Affine, Outline};
 use vtex_base::raster::{ControlMap, LabelMap};
 use vtex_scene::library::Library;
-use vtex_scene::scene::SynthParams;
 
 /// Shapes and maps that steer synthesis. All maps are stretched over the canvas. The
 /// default steers nothing.
@@ -40,11 +39,6 @@ impl DrawnContext {
     pub(crate) fn scaled(&self, pixels: [f64; 2]) -> Self {
         let stretch = Affine::scale_non_uniform(pixels[0], pixels[1]);
         Self { drawing: self.drawing.scaled(pixels), region: self.region.moved(stretch) }
-    }
-
-    /// Share of a canvas that the region has at most.
-    pub(crate) fn share(&self, params: &SynthParams) -> f64 {
-        (self.region.area() / (f64::from(params.width) * f64::from(params.height))).min(1.0)
     }
 }
 

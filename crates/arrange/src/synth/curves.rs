@@ -109,7 +109,8 @@ pub(super) fn synthesize(
         compose_drawing(library, &params, controls, placements)
     };
     let mut categories = drawing.covered(library, &found, &params);
-    let share = controls.context.as_ref().map_or(1.0, |context| context.share(&params));
+    let canvas = f64::from(params.width) * f64::from(params.height);
+    let share = controls.context.as_ref().map_or(1.0, |beside| (beside.region.area() / canvas).min(1.0));
     categories.iter_mut().for_each(|c| c.wanted *= share);
     advance(progress, "curves", 2, 2)?;
     let report = SynthReport {
