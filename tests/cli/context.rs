@@ -265,11 +265,7 @@ fn what_cannot_be_filled_is_refused() {
     fails(&format!("{both} --method period"), 2, "--context is for --method curves");
     fails(&format!("{both} --tile"), 2, "--context does not go with --tile");
     fails(&format!("{both} --domain region.svg"), 2, "--domain");
-    fails(
-        &format!("whole.lib.json photo.lib.json --map photo.png --context half.svg --region region.svg"),
-        2,
-        "--map",
-    );
+    fails("whole.lib.json photo.lib.json --map photo.png --context half.svg --region region.svg", 2, "--map");
     fails("whole.lib.json photo.lib.json --context half.svg --region region.svg", 2, "a single library");
     let photograph = folder.run("synth photo.lib.json -o x.svg --context half.svg --region region.svg");
     photograph.fails(2, "method = curves is out of range: for a drawing");

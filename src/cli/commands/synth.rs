@@ -107,14 +107,14 @@ impl SynthArgs {
         };
         let targets = targets(output.clone(), &force, first, MAKES)?;
         let steering = Steering::new(control, map);
+        if context.is_some() {
+            check_context(libraries.len(), &parameters.synth)?;
+        }
         let mut read: Vec<_> = libraries.iter().map(|file| ("the library", file)).collect();
         read.extend(context.iter().flat_map(ContextFiles::named));
         steering.check(&read, &outputs(&output))?;
         steering.check_counts(libraries.len())?;
         read_weights(parameters.weights.clone(), first, &mut parameters.synth)?;
-        if context.is_some() {
-            check_context(libraries.len(), &parameters.synth)?;
-        }
         let synthesis = Synthesis::new(parameters, steering, targets, (pattern, variants), &force)?;
         Ok((libraries, Synthesis { context, ..synthesis }))
     }
