@@ -118,7 +118,7 @@ pub mod geometry {
 /// Drawing → library: an SVG read as elements in layers.
 pub mod import {
     #[doc(inline)]
-    pub use vtex_drawing::import::{Grouping, ImportParams, drawn, import, is_drawing};
+    pub use vtex_drawing::import::{Grouping, ImportParams, as_drawn, drawn, import, is_drawing};
 }
 
 /// Two scenes → a scene between them: textons move and change into those of the other scene (paper
@@ -342,9 +342,9 @@ pub mod statistics {
 pub mod synth {
     #[doc(inline)]
     pub use vtex_arrange::synth::{
-        CategoryReport, ClusterReport, Controls, CurveReport, StratumReport, Structure, StructureGuide,
-        SynthReport, SynthesisMemory, default_size, layer_map, reconstruct, synthesize, synthesize_again,
-        synthesize_with,
+        CategoryReport, ClusterReport, Controls, CurveReport, DrawnContext, StratumReport, Structure,
+        StructureGuide, SynthReport, SynthesisMemory, default_size, layer_map, reconstruct, synthesize,
+        synthesize_again, synthesize_with,
     };
 }
 

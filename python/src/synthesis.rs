@@ -8,10 +8,10 @@ use crate::writing::from_json;
 use pyo3::prelude::*;
 use std::borrow::Cow;
 use vtex::analyze::Limits;
-use vtex::import::is_drawing;
+use vtex::import::{as_drawn, is_drawing};
 use vtex::layers::LayerPicture;
 use vtex::scene::SynthParams;
-use vtex::synth::{self, Controls, StructureGuide, default_size, layer_map, synthesize_with};
+use vtex::synth::{self, Controls, DrawnContext, StructureGuide, default_size, layer_map, synthesize_with};
 use vtex::{Result, control, library};
 
 /// Files that steer.
@@ -21,6 +21,8 @@ struct SteeringFiles {
     maps: Vec<Named>,
     control: Option<Named>,
     guide: Option<Named>,
+    /// The region beside a drawing that stays.
+    region: Option<Named>,
 }
 
 impl SteeringFiles {
@@ -44,7 +46,17 @@ impl SteeringFiles {
             (_, Some((name, bytes)), _) => Some(StructureGuide::Lightness(control::level(bytes, name)?)),
             _ => None,
         };
-        Ok(Controls { domain: domain.transpose()?, density: density.transpose()?, shares, structure })
+        let (domain, density) = (domain.transpose()?, density.transpose()?);
+        Ok(Controls { domain, density, shares, structure, context: None })
+    }
+
+    /// The region, beside a drawing.
+    ///
+    /// # Errors Those of a region that does not suit.
+    fn beside(&self, drawing: library::Library, canvas: [u32; 2]) -> Result<Option<DrawnContext>> {
+        let region =
+            self.region.as_ref().map(|(name, bytes)| control::shape(bytes, name, canvas)).transpose()?;
+        Ok(region.map(|region| DrawnContext { drawing, region }))
     }
 }
 
@@ -61,22 +73,32 @@ pub(crate) fn synthesize(
     maps: Vec<Named>,
     control: Option<Named>,
     guide: Option<Named>,
+    context: Option<Named>,
+    region: Option<Named>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Scene> {
     let mut params: SynthParams = from_json(py, parameters, "synthesize")?;
     let libraries: Vec<_> = libraries.iter().map(|library| library.inner.clone()).collect();
-    let steering = SteeringFiles { domain, density, maps, control, guide };
+    let steering = SteeringFiles { domain, density, maps, control, guide, region };
     let made = run(py, progress, move |progress| {
         // A single library, the usual case, is not copied.
         let libraries: Cow<'_, [library::Library]> = match &libraries[..] {
             [library] => Cow::Borrowed(std::slice::from_ref(&**library)),
             several => several.iter().map(|library| (**library).clone()).collect(),
         };
+        let drawing = context.as_ref().map(|(name, bytes)| as_drawn(bytes, name, progress)).transpose()?;
         if !sized {
-            [params.width, params.height] = default_size(&libraries);
+            [params.width, params.height] = match &drawing {
+                Some(drawing) => [drawing.source.width, drawing.source.height],
+                None => default_size(&libraries),
+            };
         }
         params.validate()?;
-        let controls = steering.controls([params.width, params.height], &libraries)?;
+        let canvas = [params.width, params.height];
+        let mut controls = steering.controls(canvas, &libraries)?;
+        if let Some(drawing) = drawing {
+            controls.context = steering.beside(drawing, canvas)?;
+        }
         synthesize_with(&libraries, &params, &controls, progress)
     });
     made.map(|(scene, _)| scene.into())

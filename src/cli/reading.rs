@@ -58,7 +58,7 @@ pub(crate) fn controls(
         Some(StructureFrom::Layers(file @ Input::File(_))) => drop(layer_maps::read(file)?),
         _ => {}
     }
-    Ok(Controls { domain, density, shares, structure: None })
+    Ok(Controls { domain, density, shares, ..Controls::default() })
 }
 
 /// Reads the guide of the large structure, if there is one.

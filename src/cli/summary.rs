@@ -478,11 +478,13 @@ fn optimised(clusters: &ClusterReport) -> String {
 
 /// What the synthesis of curves did, in a line.
 fn run_on(curves: &CurveReport) -> String {
-    let CurveReport { samples, iterations, paths, joined, attached, removed, ends, .. } = curves;
+    let CurveReport { samples, iterations, paths, joined, attached, removed, ends, continued, .. } = curves;
     let [drawn, made] = ends;
+    let beside =
+        continued.map_or(String::new(), |[ends, on]| format!("; {on} of {ends} ends beside it go on"));
     format!(
         "{samples} samples in {iterations} iterations, {paths} paths: {joined} pairs of loose ends joined, {attached} led \
-         to a line, {removed} samples removed; {made:.2} ends for each 1000 units of line, {drawn:.2} in the drawing"
+         to a line, {removed} samples removed; {made:.2} ends for each 1000 units of line, {drawn:.2} in the drawing{beside}"
     )
 }
 

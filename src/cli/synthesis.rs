@@ -3,6 +3,7 @@
 use super::common::Common;
 use super::config::Parameters;
 use super::failure::Failure;
+use super::options::context::ContextFiles;
 use super::options::control::Steering;
 use super::options::files::ForceArgs;
 use super::options::pattern::{PatternArgs, pattern};
@@ -29,6 +30,8 @@ pub(crate) struct Synthesis {
     /// Whether the size of the canvas was given.
     pub(crate) sized: bool,
     pub(crate) steering: Steering,
+    /// The drawing that stays, and the region beside it.
+    pub(crate) context: Option<ContextFiles>,
     pub(crate) svg: SvgParameters,
     pub(crate) render: RenderParameters,
     pub(crate) targets: Targets,
@@ -55,7 +58,25 @@ impl Synthesis {
             return Err(Failure::usage(message).hint("give --tile, for both axes"));
         }
         let variants = variants.count(&targets)?;
-        Ok(Self { parameters: synth, sized, steering, svg, render, targets, pattern, variants })
+        Ok(Self {
+            parameters: synth,
+            sized,
+            steering,
+            context: None,
+            svg,
+            render,
+            targets,
+            pattern,
+            variants,
+        })
+    }
+
+    /// Takes the page of a drawing as the canvas, unless a size was given.
+    pub(crate) fn on_page(&mut self, page: [u32; 2]) {
+        if !self.sized {
+            [self.parameters.width, self.parameters.height] = page;
+            self.sized = true;
+        }
     }
 
     /// Megapixels of the canvas.

@@ -5,6 +5,7 @@ mod animate;
 mod batch;
 mod composing;
 mod config;
+mod context;
 mod damaged;
 mod edit;
 mod files;

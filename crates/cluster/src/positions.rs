@@ -16,6 +16,6 @@ pub(crate) fn improve_positions(
     matches: &NeighbourhoodMatches,
     go_on: &dyn Fn() -> Result<()>,
 ) -> Result<()> {
-    let ways = matches.wanted_ways(&output.source, input.sources(), |_, _| {});
+    let ways = matches.wanted_ways(&output.source, input.sources(), |_, _, change| change, |_, _| {});
     ways.move_points(&mut output.points, output.plane, go_on)
 }

@@ -19,11 +19,20 @@ pub(crate) struct EdgeVote {
     pub(crate) confidence: f64,
 }
 
-/// Joins samples anew by the votes of the matched neighbourhoods. Edges that two samples cannot be asked about, because
-/// no neighbourhood holds both, stay.
+/// Joins samples anew by the votes of the matched neighbourhoods. Given edges stay; given samples are joined with one
+/// another only where curves go on from both.
 pub(crate) fn improve_edges(output: &mut CurveOutput, input: &CurveInput, matches: &NeighbourhoodMatches) {
     let all: Vec<usize> = (0..matches.near.len()).collect();
     let longest = LONGEST * input.scale.distance;
+    let between_ends = output.edges[..output.given_edges].iter().map(|e| e.ends);
+    let between_ends: Vec<[u32; 2]> =
+        between_ends.filter(|ends| ends.iter().all(|s| output.ahead(*s).is_some())).collect();
+    // Whether two samples are given, and no curves go on from both to one another.
+    let is_fixed = |a: u32, b: u32| {
+        let given = |s: u32| (s as usize) < output.given();
+        let apart = output.ahead(a).is_none() || output.ahead(b).is_none();
+        given(a) && given(b) && (apart || between_ends.iter().any(|e| e.contains(&a) && e.contains(&b)))
+    };
     // For each pair the edge of the exemplar between the matches, or none.
     let ballots = parallel::map(&all, |&s| {
         let pairs: Vec<(u32, u32)> = matched_pairs(matches, output, s).collect();
@@ -31,7 +40,7 @@ pub(crate) fn improve_edges(output: &mut CurveOutput, input: &CurveInput, matche
         for (k, &(a, i)) in pairs.iter().enumerate() {
             for &(b, j) in &pairs[k + 1..] {
                 let way = output.plane.between(output.points[a as usize], output.points[b as usize]);
-                if a == b || length(way) > longest {
+                if a == b || is_fixed(a, b) || length(way) > longest {
                     continue;
                 }
                 let joined = input.graph.leaving[i as usize].iter().find(|h| input.graph.end(**h) == j);
@@ -62,23 +71,29 @@ pub(crate) fn improve_edges(output: &mut CurveOutput, input: &CurveInput, matche
             wanted[a as usize].1 += 1.0;
         }
     }
-    let wanted: Vec<f64> = wanted.into_iter().map(|(sum, count): (f64, f64)| sum / count.max(1.0)).collect();
-    let chosen = chosen(&votes, &wanted);
-    output.edges = chosen
-        .into_iter()
-        .map(|v| JoinedEdge { ends: votes[v].ends, from: [None; 2], style: styles[v] })
-        .collect();
-    for s in 0..output.len() {
+    let mut wanted: Vec<f64> =
+        wanted.into_iter().map(|(sum, count): (f64, f64)| sum / count.max(1.0)).collect();
+    let mut standing = vec![0.0; wanted.len()];
+    output.edges.truncate(output.given_edges);
+    for edge in &output.edges {
+        edge.ends.iter().for_each(|s| standing[*s as usize] += 1.0);
+    }
+    for s in (0..output.given()).filter(|s| output.ahead[*s].is_some()) {
+        wanted[s] = wanted[s].max(standing[s] + 1.0);
+    }
+    for v in chosen(&votes, &wanted, standing) {
+        output.edges.push(JoinedEdge { ends: votes[v].ends, from: [None; 2], style: styles[v] });
+    }
+    for s in output.given()..output.len() {
         output.style[s] = input.style[output.source[s] as usize];
     }
 }
 
 /// The pairs that are joined, in the order of their confidence: each if that brings confidences and numbers of edges
-/// nearer to those wanted (equations 2.18 to 2.21).
-pub(crate) fn chosen(votes: &[EdgeVote], wanted: &[f64]) -> Vec<usize> {
+/// nearer to those wanted (equations 2.18 to 2.21). `count` are the edges that samples have already.
+pub(crate) fn chosen(votes: &[EdgeVote], wanted: &[f64], mut count: Vec<f64>) -> Vec<usize> {
     let mut order: Vec<usize> = (0..votes.len()).collect();
     order.sort_by(|&a, &b| votes[b].confidence.total_cmp(&votes[a].confidence).then(a.cmp(&b)));
-    let mut count = vec![0.0; wanted.len()];
     let mut joined = Vec::new();
     for v in order {
         let EdgeVote { ends, confidence } = votes[v];

@@ -1,6 +1,7 @@
 //! Existence of samples: those that most neighbourhoods leave alone are removed, those that most miss are added
 //! (§2.4.3.4 and algorithm 1).
 
+use crate::context::GivenLines;
 use crate::input::CurveInput;
 use crate::output::CurveOutput;
 use vtex_base::geometry::coherence::{MissedGroup, MissedPoint, NeighbourhoodMatches, StandingPoints};
@@ -8,14 +9,17 @@ use vtex_base::geometry::dense::NONE;
 use vtex_base::geometry::plane::length;
 use vtex_base::parallel;
 
+/// Distance from a given line within which none is made, in sample distances.
+pub(crate) const ON_LINE: f64 = 0.4;
 /// Share of the neighbourhoods that keep a sample.
 const MAJORITY: f64 = 0.5;
 
-/// Says which samples stay, and where some are missing.
+/// Says which samples stay, and where some are missing: beside lines that are given, only where curves are made.
 pub(crate) fn improve_existence(
     output: &CurveOutput,
     input: &CurveInput,
     matches: &NeighbourhoodMatches,
+    given: Option<&GivenLines>,
 ) -> (Vec<bool>, Vec<MissedGroup>) {
     let mut held = vec![0u32; matches.near.len()];
     let mut wanted = vec![0u32; matches.near.len()];
@@ -26,8 +30,12 @@ pub(crate) fn improve_existence(
             wanted[other] += u32::from(matches.matched[k] != NONE);
         }
     }
-    let keep = held.iter().zip(&wanted).map(|(h, w)| f64::from(*w) >= MAJORITY * f64::from(*h)).collect();
-    (keep, missing(output, input, matches))
+    let is_wanted = |s: usize| f64::from(wanted[s]) >= MAJORITY * f64::from(held[s]);
+    let keep = (0..held.len()).map(|s| s < output.given() || is_wanted(s)).collect();
+    let mut added = missing(output, input, matches);
+    let reach = ON_LINE * input.scale.distance;
+    added.retain(|m| given.is_none_or(|g| g.is_free(m.at) && !g.is_on_line(m.at, reach)));
+    (keep, added)
 }
 
 /// The samples that most neighbourhoods around a place miss.

@@ -278,6 +278,12 @@ fn pieces(course: &[[f64; 2]], count: usize) -> Vec<Vec<[f64; 2]>> {
 }
 
 impl CurveGraph {
+    /// The graph on another plane, moved by a way.
+    pub(crate) fn placed(&self, plane: PeriodicPlane, by: [f64; 2]) -> Self {
+        let points = self.points.iter().map(|p| [p[0] + by[0], p[1] + by[1]]).collect();
+        Self::new(plane, points, self.open.clone(), self.edges.clone())
+    }
+
     /// The graph with lengths along x and y multiplied.
     pub(crate) fn stretched(&self, by: [f64; 2]) -> Self {
         let scaled = |p: &[f64; 2]| [p[0] * by[0], p[1] * by[1]];

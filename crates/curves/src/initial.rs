@@ -2,10 +2,14 @@
 //!
 //! The paper copies patches from random places without edges. Here the place of a patch is chosen of many by how well
 //! the exemplar goes on around it: samples along the border must lie on the curves of the patches beside it, with their
-//! directions and styles. Curves that cross a border are then joined.
+//! directions and styles. Curves that cross a border are then joined. Lines that are given count as patches that are
+//! there already; the patches nearest to them come first.
 
+use crate::context::GivenLines;
+use crate::existence::ON_LINE;
 use crate::input::CurveInput;
-use crate::output::{CurveOutput, JoinedEdge};
+use crate::joints::{Patch, join};
+use crate::output::CurveOutput;
 use std::collections::BTreeMap;
 use vtex_base::error::Result;
 use vtex_base::geometry::plane::{PeriodicPlane, PointIndex, length};
@@ -24,38 +28,30 @@ const ALONG: f64 = 0.2;
 const CHANGE: f64 = 0.22;
 /// The same for a page that repeats: patches of regular drawings that are out of step are seen at once.
 const CHANGE_REGULAR: f64 = 0.04;
+/// Distance of ways from given samples to their sources that count as one, in sample distances, and most ways that are
+/// tried for a patch.
+const SAME: f64 = 0.6;
+const COMMON: usize = 4;
 /// Most samples that are remembered as alike, some 64 MB.
 const MOST_KNOWN: usize = 1 << 24;
-/// Longest miss of two ends that are joined across a border, in sample distances, and the cosine of their largest angle.
-const JOINED: f64 = 1.3;
-const STRAIGHT: f64 = 0.5;
 
-/// A patch of the canvas: its corner, its size, the way from the canvas to the exemplar, and its samples by their
-/// sources.
-struct Patch {
-    low: [f64; 2],
-    size: [f64; 2],
-    offset: Option<[f64; 2]>,
-    samples: Vec<(u32, u32)>,
-}
-
-/// A curve that leaves a patch: the sample, the half-edge of the exemplar, where it would arrive.
-struct Loose {
-    sample: u32,
-    half: u32,
-    to: [f64; 2],
-}
-
-/// Samples of neighbouring patches near a patch.
+/// Samples near a patch that are there already.
 struct Rim {
     /// Place, source.
     samples: Vec<([f64; 2], u32)>,
+    /// How many of them, the first ones, are given.
+    given: usize,
     index: PointIndex,
 }
 
-/// Scatters as many samples as the exemplar has, from random places, without edges.
-pub(crate) fn noise(input: &CurveInput, plane: PeriodicPlane, seed: u64) -> CurveOutput {
-    let mut output = CurveOutput::new(plane);
+/// Scatters as many samples as the exemplar has, from random places, without edges, beside those there are.
+pub(crate) fn noise(
+    input: &CurveInput,
+    mut output: CurveOutput,
+    seed: u64,
+    given: Option<&GivenLines>,
+) -> CurveOutput {
+    let plane = output.plane;
     let mut random = stream(seed, "curves/noise", 0);
     let real: Vec<u32> = (0..input.len() as u32).filter(|i| !input.graph.open[*i as usize]).collect();
     if real.is_empty() {
@@ -64,28 +60,36 @@ pub(crate) fn noise(input: &CurveInput, plane: PeriodicPlane, seed: u64) -> Curv
     let count = real.len() as f64 * plane.area() / input.graph.plane.area();
     for _ in 0..libm::round(count) as usize {
         let at = [random.range(0.0, plane.size[0]), random.range(0.0, plane.size[1])];
-        output.push(at, real[random.index(real.len())], input);
+        let source = real[random.index(real.len())];
+        if is_made(input, at, given) {
+            output.push(at, source, input);
+        }
     }
     output
 }
 
-/// Fills a canvas with patches. `variation`, 0 to 1, says how readily patches come from elsewhere; with 0 the exemplar
-/// goes on as it is wherever it can.
+/// Whether a sample may be made at a place.
+fn is_made(input: &CurveInput, at: [f64; 2], given: Option<&GivenLines>) -> bool {
+    given.is_none_or(|given| given.is_free(at) && !given.is_on_line(at, ON_LINE * input.scale.distance))
+}
+
+/// Fills a canvas with patches beside the samples there are. `variation`, 0 to 1, says how readily patches come from
+/// elsewhere; with 0 the exemplar goes on as it is wherever it can.
 ///
 /// # Errors
 /// Those of `go_on`.
 pub(crate) fn patches(
     input: &CurveInput,
-    plane: PeriodicPlane,
+    mut output: CurveOutput,
     (variation, seed): (f64, u64),
+    given: Option<&GivenLines>,
     go_on: &dyn Fn() -> Result<()>,
 ) -> Result<CurveOutput> {
-    let page = input.graph.plane;
+    let (page, plane) = (input.graph.plane, output.plane);
     let side = 2.0 * input.scale.radius;
     let most = [0, 1].map(|k| if page.wraps[k] { 0.45 } else { 0.6 } * page.size[k]);
     let count = [0, 1].map(|k| libm::ceil(plane.size[k] / side.min(most[k])).max(1.0) as usize);
     let size = [0, 1].map(|k| plane.size[k] / count[k] as f64);
-    let mut output = CurveOutput::new(plane);
     let mut alike = AlikeSamples { input, known: BTreeMap::new() };
     let mut patches: Vec<Patch> = Vec::with_capacity(count[0] * count[1]);
     for j in 0..count[1] {
@@ -94,24 +98,34 @@ pub(crate) fn patches(
             patches.push(Patch { low, size, offset: None, samples: Vec::new() });
         }
     }
-    for p in 0..patches.len() {
+    for p in order(&patches, &output) {
         go_on()?;
         let [i, j] = [p % count[0], p / count[0]];
         let mut beside: Vec<usize> = Vec::new();
         for (dx, dy) in [(-1, 0), (0, -1), (1, 0), (0, 1), (-1, -1), (1, -1), (-1, 1), (1, 1)] {
-            let at = |v: usize, d: i64, n: usize| (v as i64 + d).rem_euclid(n as i64) as usize;
-            let other = at(j, dy, count[1]) * count[0] + at(i, dx, count[0]);
+            let at = |v: usize, d: i64, k: usize| {
+                let (v, n) = (v as i64 + d, count[k] as i64);
+                (plane.wraps[k] || (0..n).contains(&v)).then(|| v.rem_euclid(n) as usize)
+            };
+            let (Some(row), Some(column)) = (at(j, dy, 1), at(i, dx, 0)) else { continue };
+            let other = row * count[0] + column;
             if other != p && patches[other].offset.is_some() && !beside.contains(&other) {
                 beside.push(other);
             }
         }
-        let rim = rim(&output, &patches, &beside, input);
-        let going_on: Vec<[f64; 2]> = beside.iter().filter_map(|b| patches[*b].offset).collect();
+        let rim = rim(&output, &patches, (p, &beside), input);
+        let mut going_on: Vec<[f64; 2]> = beside.iter().filter_map(|b| patches[*b].offset).collect();
+        going_on.extend(common_offsets(input, &output, &patches[p]));
         let mut random = stream(seed, "curves/patches", p as u64);
-        let offset = choose(&mut alike, &patches[p], &rim, (&going_on, plane), (variation, &mut random));
+        let known = given.map(|lines| KnownPlaces { lines, patches: &patches, count, size });
+        let around = PatchSurroundings { patch: &patches[p], rim: &rim, plane, known };
+        let offset = choose(&mut alike, &around, &going_on, (variation, &mut random));
         let patch = &mut patches[p];
         patch.offset = Some(offset);
         for (at, source) in within(input, patch, offset, 0.0) {
+            if !is_made(input, at, given) {
+                continue;
+            }
             let sample = output.push(at, source, input);
             patch.samples.push((source, sample));
         }
@@ -121,10 +135,76 @@ pub(crate) fn patches(
     Ok(output)
 }
 
+/// The order in which patches are laid: from one end to the other, or by their distances from given samples.
+fn order(patches: &[Patch], output: &CurveOutput) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..patches.len()).collect();
+    let given = &output.points[..output.given()];
+    if given.is_empty() {
+        return order;
+    }
+    let far = |patch: &Patch| {
+        let middle = patch.middle();
+        let apart = given.iter().map(|p| length(output.plane.between(middle, *p)));
+        apart.fold(f64::INFINITY, f64::min)
+    };
+    let far = parallel::map(patches, far);
+    order.sort_by(|a, b| far[*a].total_cmp(&far[*b]).then(a.cmp(b)));
+    order
+}
+
+/// The commonest ways from given samples around a patch to their sources.
+fn common_offsets(input: &CurveInput, output: &CurveOutput, patch: &Patch) -> Vec<[f64; 2]> {
+    let page = input.graph.plane;
+    // Each way with the samples that have about the same.
+    let mut found: Vec<([f64; 2], Vec<usize>)> = Vec::new();
+    let offset = |s: usize| {
+        let (at, to) = (output.points[s], input.graph.points[output.source[s] as usize]);
+        [to[0] - at[0], to[1] - at[1]]
+    };
+    for s in 0..output.given() {
+        if depth(patch, output.plane, output.points[s]) > BAND * input.scale.radius {
+            continue;
+        }
+        let own = offset(s);
+        match found.iter_mut().find(|f| length(page.between(f.0, own)) < SAME * input.scale.distance) {
+            Some(known) => known.1.push(s),
+            None => found.push((own, vec![s])),
+        }
+    }
+    found.sort_by_key(|f| std::cmp::Reverse(f.1.len()));
+    found.truncate(COMMON);
+    // Samples stand anywhere along their curves, so only the way across the curves counts.
+    let exact = |(about, samples): ([f64; 2], Vec<usize>)| {
+        let [mut a, mut b, mut c, mut right] = [[1e-3, 0.0], [0.0, 1e-3], [0.0; 2], [0.0; 2]];
+        for s in samples {
+            let way = page.between(about, offset(s));
+            let leaving = &input.graph.leaving[output.source[s] as usize];
+            let along = match leaving[..] {
+                [first, _] => input.graph.tangent(first),
+                _ => [0.0; 2],
+            };
+            let across = [
+                [1.0 - along[0] * along[0], -along[0] * along[1]],
+                [-along[0] * along[1], 1.0 - along[1] * along[1]],
+            ];
+            for k in 0..2 {
+                a[k] += across[0][k];
+                b[k] += across[1][k];
+                right[k] += across[k][0] * way[0] + across[k][1] * way[1];
+            }
+        }
+        let size = a[0] * b[1] - a[1] * b[0];
+        c[0] = (right[0] * b[1] - right[1] * a[1]) / size;
+        c[1] = (right[1] * a[0] - right[0] * b[0]) / size;
+        [about[0] + c[0], about[1] + c[1]]
+    };
+    found.into_iter().map(exact).collect()
+}
+
 /// The exemplar's samples in a patch and up to `band` around it, at their places on the canvas.
 fn within(input: &CurveInput, patch: &Patch, offset: [f64; 2], band: f64) -> Vec<([f64; 2], u32)> {
     let half = patch.size.map(|s| 0.5 * s + band);
-    let middle = [0, 1].map(|k| patch.low[k] + 0.5 * patch.size[k]);
+    let middle = patch.middle();
     let mut found = Vec::new();
     let centre = [middle[0] + offset[0], middle[1] + offset[1]];
     input.index.within(centre, length(half), |i, way| {
@@ -137,9 +217,15 @@ fn within(input: &CurveInput, patch: &Patch, offset: [f64; 2], band: f64) -> Vec
     found
 }
 
-/// The samples of neighbouring patches.
-fn rim(output: &CurveOutput, patches: &[Patch], beside: &[usize], input: &CurveInput) -> Rim {
+/// The samples of the patches beside a patch, and those given around and in it.
+fn rim(output: &CurveOutput, patches: &[Patch], (p, beside): (usize, &[usize]), input: &CurveInput) -> Rim {
     let mut samples = Vec::new();
+    for s in 0..output.given() {
+        if depth(&patches[p], output.plane, output.points[s]) < 2.0 * input.scale.radius {
+            samples.push((output.points[s], output.source[s]));
+        }
+    }
+    let given = samples.len();
     for b in beside {
         for (source, sample) in &patches[*b].samples {
             samples.push((output.points[*sample as usize], *source));
@@ -147,17 +233,46 @@ fn rim(output: &CurveOutput, patches: &[Patch], beside: &[usize], input: &CurveI
     }
     let places: Vec<[f64; 2]> = samples.iter().map(|s| s.0).collect();
     // A rim is small beside the canvas: wide cells are soon made.
-    Rim { index: PointIndex::new(output.plane, 2.0 * input.scale.radius, &places), samples }
+    Rim { index: PointIndex::new(output.plane, 2.0 * input.scale.radius, &places), samples, given }
+}
+
+/// What a patch must fit to.
+struct PatchSurroundings<'a> {
+    patch: &'a Patch,
+    rim: &'a Rim,
+    plane: PeriodicPlane,
+    /// The places beside given lines at which it is known what is there.
+    known: Option<KnownPlaces<'a>>,
+}
+
+/// The places where patches are, and those where only given lines are.
+#[derive(Clone, Copy)]
+struct KnownPlaces<'a> {
+    lines: &'a GivenLines,
+    patches: &'a [Patch],
+    count: [usize; 2],
+    size: [f64; 2],
+}
+
+impl KnownPlaces<'_> {
+    /// Whether it is known what is at a place.
+    fn hold(&self, at: [f64; 2]) -> bool {
+        if !self.lines.is_free(at) {
+            return self.lines.is_on_canvas(at);
+        }
+        let [i, j] = [0, 1].map(|k| ((at[k] / self.size[k]) as usize).min(self.count[k] - 1));
+        self.patches[j * self.count[0] + i].offset.is_some()
+    }
 }
 
 /// The way from the canvas to the exemplar for a patch.
 fn choose(
     alike: &mut AlikeSamples<'_>,
-    patch: &Patch,
-    rim: &Rim,
-    (going_on, plane): (&[[f64; 2]], PeriodicPlane),
+    around: &PatchSurroundings<'_>,
+    going_on: &[[f64; 2]],
     (variation, random): (f64, &mut Stream),
 ) -> [f64; 2] {
+    let &PatchSurroundings { patch, rim, plane, .. } = around;
     let input = alike.input;
     let page = input.graph.plane;
     // A page that does not repeat must hold the patch.
@@ -186,8 +301,10 @@ fn choose(
             // A curve of the exemplar on a curve beside the patch.
             let (at, source) = rim.samples[near[random.index(near.len())]];
             let like = alike.to(source);
-            let to = input.graph.points[like[random.index(like.len())] as usize];
-            let middle = [0, 1].map(|k| patch.low[k] + 0.5 * patch.size[k]);
+            // Nothing may stand for a given line at the border of a page.
+            let Some(to) = like.get(random.index(like.len())) else { continue };
+            let to = input.graph.points[*to as usize];
+            let middle = patch.middle();
             let way = plane.between(middle, at);
             [0, 1].map(|k| to[k] - (middle[k] + way[k]))
         };
@@ -195,7 +312,7 @@ fn choose(
             tried.push(offset);
         }
     }
-    let costs = parallel::map(&tried, |offset| misfit(input, patch, rim, (*offset, plane), &near));
+    let costs = parallel::map(&tried, |offset| misfit(input, around, *offset, &near));
     let best = |range: std::ops::Range<usize>| range.min_by(|a, b| costs[*a].total_cmp(&costs[*b]));
     let change = if page.wraps[0] && page.wraps[1] { CHANGE_REGULAR } else { CHANGE };
     match (best(0..known), best(known..tried.len())) {
@@ -211,8 +328,7 @@ fn choose(
 
 /// How far a place is outside a patch.
 fn depth(patch: &Patch, plane: PeriodicPlane, at: [f64; 2]) -> f64 {
-    let middle = [0, 1].map(|k| patch.low[k] + 0.5 * patch.size[k]);
-    let way = plane.between(middle, at);
+    let way = plane.between(patch.middle(), at);
     (0..2).map(|k| way[k].abs() - 0.5 * patch.size[k]).fold(f64::MIN, f64::max)
 }
 
@@ -251,19 +367,20 @@ fn alike(input: &CurveInput, a: u32, b: u32) -> bool {
             })
 }
 
-/// Mean misfit of a patch to its neighbours, in sample distances: how far the exemplar's samples around the patch are
-/// from the neighbours' curves, and the other way round.
-fn misfit(
-    input: &CurveInput,
-    patch: &Patch,
-    rim: &Rim,
-    (offset, plane): ([f64; 2], PeriodicPlane),
-    near: &[usize],
-) -> f64 {
+/// Mean misfit of a patch to what is there, in sample distances: how far the exemplar's samples around the patch, and
+/// in it where nothing is made, are from the curves there, and the other way round.
+fn misfit(input: &CurveInput, around: &PatchSurroundings<'_>, offset: [f64; 2], near: &[usize]) -> f64 {
+    let &PatchSurroundings { patch, rim, plane, known } = around;
     let (delta, band) = (input.scale.distance, BAND * input.scale.radius);
     let page = input.graph.plane;
-    let expected: Vec<([f64; 2], u32)> =
-        within(input, patch, offset, band).into_iter().filter(|e| depth(patch, plane, e.0) > 0.0).collect();
+    // Samples of which it is not known yet whether they fit come last: only given ones are compared with them.
+    let (mut expected, own): (Vec<([f64; 2], u32)>, Vec<_>) = within(input, patch, offset, band)
+        .into_iter()
+        .partition(|e| known.map_or(depth(patch, plane, e.0) > 0.0, |known| known.hold(e.0)));
+    let outer = expected.len();
+    if known.is_some() {
+        expected.extend(own);
+    }
     let places: Vec<[f64; 2]> = expected.iter().map(|e| plane.wrapped(e.0)).collect();
     let apart = |own: u32, other: u32, way: [f64; 2]| {
         let mut cost: f64 = 1.0;
@@ -285,15 +402,14 @@ fn misfit(
         cost
     };
     let (mut sum, mut count) = (0.0, 0.0f64);
-    for (at, source) in &expected {
+    for (at, source) in &expected[..outer] {
         // Where no neighbour is yet, nothing is expected of it.
         let mut best: Option<f64> = None;
         rim.index.within(*at, delta, |n, way| {
             let cost = apart(*source, rim.samples[n].1, way);
             best = Some(best.map_or(cost, |b: f64| b.min(cost)));
         });
-        let known = best.is_some() || rim.index.any(*at, 2.0 * input.scale.radius);
-        if known {
+        if known.is_some() || best.is_some() || rim.index.any(*at, 2.0 * input.scale.radius) {
             sum += best.unwrap_or(1.0);
             count += 1.0;
         }
@@ -301,7 +417,7 @@ fn misfit(
     for &n in near {
         let (at, source) = rim.samples[n];
         let there = {
-            let middle = [0, 1].map(|k| patch.low[k] + 0.5 * patch.size[k]);
+            let middle = patch.middle();
             let way = plane.between(middle, at);
             [0, 1].map(|k| middle[k] + way[k] + offset[k])
         };
@@ -309,7 +425,8 @@ fn misfit(
             continue;
         }
         let mut best: f64 = 1.0;
-        for (place, (_, other)) in places.iter().zip(&expected) {
+        let compared = if n < rim.given { expected.len() } else { outer };
+        for (place, (_, other)) in places.iter().zip(&expected).take(compared) {
             let way = plane.between(at, *place);
             if way[0] * way[0] + way[1] * way[1] < delta * delta {
                 best = best.min(apart(source, *other, way));
@@ -319,71 +436,4 @@ fn misfit(
         count += 1.0;
     }
     if count > 0.0 { sum / count } else { 0.0 }
-}
-
-/// The edges within patches, and across their borders.
-fn join(output: &mut CurveOutput, patches: &[Patch], input: &CurveInput) {
-    let mut loose: Vec<Loose> = Vec::new();
-    for patch in patches {
-        let Some(offset) = patch.offset else { continue };
-        let half = patch.size.map(|s| 0.5 * s);
-        let middle = [0, 1].map(|k| patch.low[k] + half[k]);
-        for &(source, sample) in &patch.samples {
-            let centre = [0, 1].map(|k| middle[k] + offset[k]);
-            let from = input.graph.plane.between(centre, input.graph.points[source as usize]);
-            for &h in &input.graph.leaving[source as usize] {
-                let way = input.graph.way(h);
-                let at = [from[0] + way[0], from[1] + way[1]];
-                let inside = (0..2).all(|k| -half[k] <= at[k] && at[k] < half[k]);
-                let end = input.graph.end(h);
-                let other = patch.samples.binary_search_by_key(&end, |s| s.0);
-                match other {
-                    Ok(k) if inside => {
-                        if h.is_multiple_of(2) {
-                            let ends = [sample, patch.samples[k].1];
-                            let from = [Some(h), Some(h ^ 1)];
-                            output.edges.push(JoinedEdge { ends, from, style: input.graph.edge(h).style });
-                        }
-                    }
-                    _ => {
-                        let to = [middle[0] + at[0], middle[1] + at[1]];
-                        loose.push(Loose { sample, half: h, to });
-                    }
-                }
-            }
-        }
-    }
-    let delta = input.scale.distance;
-    let places: Vec<[f64; 2]> = loose.iter().map(|l| output.points[l.sample as usize]).collect();
-    let index = PointIndex::new(output.plane, JOINED * delta, &places);
-    let mut pairs = Vec::new();
-    for (g, own) in loose.iter().enumerate() {
-        let way = input.graph.way(own.half);
-        index.within(output.plane.wrapped(own.to), JOINED * delta, |h, miss| {
-            let other = &loose[h];
-            let back = output.plane.between(output.plane.wrapped(other.to), places[g]);
-            let there = input.graph.way(other.half);
-            let opposite =
-                -(way[0] * there[0] + way[1] * there[1]) / (length(way) * length(there)).max(1e-12);
-            let like = input.graph.edge(own.half).style == input.graph.edge(other.half).style;
-            if h > g
-                && own.sample != other.sample
-                && like
-                && length(back) < JOINED * delta
-                && opposite > STRAIGHT
-            {
-                pairs.push((length(miss) + length(back) + delta * (1.0 - opposite), g, h));
-            }
-        });
-    }
-    pairs.sort_by(|p, q| p.0.total_cmp(&q.0).then((p.1, p.2).cmp(&(q.1, q.2))));
-    let mut taken = vec![false; loose.len()];
-    for (_, g, h) in pairs {
-        if !taken[g] && !taken[h] {
-            (taken[g], taken[h]) = (true, true);
-            let ends = [loose[g].sample, loose[h].sample];
-            let from = [Some(loose[g].half), Some(loose[h].half)];
-            output.edges.push(JoinedEdge { ends, from, style: input.graph.edge(loose[g].half).style });
-        }
-    }
 }

@@ -56,20 +56,23 @@ impl CurveInput {
         scale: CurveScale,
         go_on: &dyn Fn() -> Result<()>,
     ) -> Result<Self> {
-        let graph = curves.sampled(scale.distance);
+        let mut made = Self::alone(curves, scale);
         go_on()?;
+        made.similar = made.alike();
+        go_on()?;
+        Ok(made)
+    }
+
+    /// The samples of a graph of curves, without what is known of similar ones.
+    pub(crate) fn alone(curves: &CurveGraph, scale: CurveScale) -> Self {
+        let graph = curves.sampled(scale.distance);
         let index = PointIndex::new(graph.plane, scale.radius, &graph.points);
         let near = Vicinity::new(&index, &graph.points, scale.radius, (MOST_NEAR, true));
         let ways: Vec<Vec<[f64; 2]>> =
             graph.leaving.iter().map(|l| l.iter().map(|h| graph.way(*h)).collect()).collect();
         let style = graph.leaving.iter().map(|l| l.first().map_or(0, |h| graph.edge(*h).style)).collect();
         let similar = Vec::new();
-        let mut made =
-            Self { graph, scale, index, near, ways, style, similar, with_edges: true, is_robust: true };
-        go_on()?;
-        made.similar = made.alike();
-        go_on()?;
-        Ok(made)
+        Self { graph, scale, index, near, ways, style, similar, with_edges: true, is_robust: true }
     }
 
     pub(crate) fn len(&self) -> usize {
@@ -126,7 +129,7 @@ impl CurveInput {
     }
 
     /// How many samples lie in each direction, near and far, and how the sample's own edges leave.
-    fn descriptor(&self, s: usize) -> Vec<f64> {
+    pub(crate) fn descriptor(&self, s: usize) -> Vec<f64> {
         let mut all = vec![0.0; 3 * SECTORS];
         let mut add = |ring: usize, way: [f64; 2], weight: f64| {
             let turn = libm::atan2(way[1], way[0]) / std::f64::consts::TAU * SECTORS as f64;

@@ -8,15 +8,19 @@
 //! Beyond the paper, an edge of the result follows one of the exemplar, so that its course survives, and loose ends that
 //! the exemplar does not have are joined or removed.
 //!
+//! [`curves_beside`] goes on from lines that stand already, in a region beside them.
+//!
 //! Works badly for structure larger than a few neighbourhoods, such as long straight lines or letters, and where equal
 //! curves lie nearer to one another than the sample distance.
 
+mod context;
 mod edges;
 mod exemplar;
 mod existence;
 mod graph;
 mod initial;
 mod input;
+mod joints;
 mod measures;
 mod mend;
 mod optimise;
@@ -28,10 +32,11 @@ mod skeleton;
 mod tests;
 mod trace;
 
+pub use context::CurveContext;
 pub use exemplar::{CurveExemplar, CurveStroke};
 pub use graph::CurveGraph;
 pub use measures::CurveMeasures;
 pub use mend::CurveMends;
-pub use optimise::{CurveLevel, CurveParams, CurveParts, CurveResult, curves};
+pub use optimise::{CurveLevel, CurveParams, CurveParts, CurveResult, curves, curves_beside};
 pub use skeleton::{Ink, centre_lines};
 pub use trace::TracedCurve;

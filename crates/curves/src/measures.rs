@@ -1,6 +1,6 @@
 //! Measures of graphs of curves.
 
-use crate::graph::CurveGraph;
+use crate::graph::{CurveEdge, CurveGraph, along};
 
 /// Highest number of ends at a node that is told apart.
 const MOST_ENDS: usize = 7;
@@ -20,8 +20,13 @@ pub struct CurveMeasures {
 impl CurveMeasures {
     /// The measures of a graph.
     pub(crate) fn of(graph: &CurveGraph) -> Self {
+        Self::of_part(graph, |_| true)
+    }
+
+    /// The measures of the nodes of a graph that are in a part of the page, and of the edges that begin there.
+    pub(crate) fn of_part(graph: &CurveGraph, is_in: impl Fn([f64; 2]) -> bool) -> Self {
         let mut degrees = [0.0; MOST_ENDS + 1];
-        let inner = (0..graph.points.len()).filter(|n| !graph.open[*n]);
+        let inner = (0..graph.points.len()).filter(|n| !graph.open[*n] && is_in(graph.points[*n]));
         let (mut ends, mut count) = (0, 0.0f64);
         for n in inner {
             let degree = graph.degree(n);
@@ -30,7 +35,9 @@ impl CurveMeasures {
             count += 1.0;
         }
         degrees.iter_mut().for_each(|d| *d /= count.max(1.0));
-        Self { length: graph.length(), ends, degrees }
+        let begins = |e: &&CurveEdge| is_in(graph.points[e.ends[0] as usize]);
+        let length = graph.edges.iter().filter(begins).map(|e| along(&e.shape)).sum();
+        Self { length, ends, degrees }
     }
 
     /// Ends for each unit of length.

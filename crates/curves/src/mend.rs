@@ -36,12 +36,17 @@ struct LooseEnd {
     style: u32,
 }
 
-/// The samples of one edge whose sources have more.
+/// The samples of one edge whose sources have more. Of given ones, those from which a curve goes on.
 fn loose_ends(output: &CurveOutput, input: &CurveInput) -> Vec<LooseEnd> {
     let mut ends = Vec::new();
     for (s, at) in output.incident().iter().enumerate() {
         let source = output.source[s] as usize;
         let [only] = at[..] else { continue };
+        if s < output.given() {
+            let style = output.edges[only.0 as usize].style;
+            ends.extend(output.ahead[s].map(|ahead| LooseEnd { sample: s as u32, ahead, style }));
+            continue;
+        }
         if input.graph.degree(source) > 1 || input.graph.open[source] {
             let back = unit(output.way(only));
             let style = output.edges[only.0 as usize].style;
@@ -142,7 +147,8 @@ fn attach(output: &mut CurveOutput, input: &CurveInput, reach: f64) -> usize {
                 incident[of].iter().any(|(e, d)| output.edges[*e as usize].ends[1 - d] == end.sample)
             };
             let degree = incident[t].len();
-            let free = t != end.sample as usize && !known(t) && (degree == 2 || degree == 1);
+            let given = t.max(end.sample as usize) < output.given();
+            let free = t != end.sample as usize && !known(t) && !given && (degree == 2 || degree == 1);
             let cost = length(way) * (2.0 - forth);
             if free && forth > AHEAD && best.is_none_or(|b| (cost, t as u32) < b) {
                 best = Some((cost, t as u32));
@@ -163,25 +169,28 @@ fn remove_lonely(output: &mut CurveOutput, input: &CurveInput, counts: &mut Curv
         .incident()
         .iter()
         .enumerate()
-        .map(|(s, at)| !at.is_empty() || input.graph.degree(output.source[s] as usize) == 0)
+        .map(|(s, at)| {
+            s < output.given() || !at.is_empty() || input.graph.degree(output.source[s] as usize) == 0
+        })
         .collect();
     counts.removed += keep.iter().filter(|k| !**k).count();
     output.retain(&keep);
 }
 
 /// Takes away short branches from loose ends to the next junction or end, the shortest first, where the exemplar has
-/// fewer ends.
+/// fewer ends. Given curves, and those that go on from them, stay.
 fn remove_branches(output: &mut CurveOutput, input: &CurveInput) -> usize {
     let delta = input.scale.distance;
     let incident = output.incident();
     let density = (0..input.len()).filter(|i| input.graph.degree(*i) == 1 && !input.graph.open[*i]).count()
         as f64
         / input.graph.length().max(1e-9);
-    let total: f64 = (0..output.edges.len() as u32).map(|e| length(output.way((e, 0)))).sum();
-    let now = incident.iter().filter(|at| at.len() == 1).count();
+    let made = output.given_edges as u32..output.edges.len() as u32;
+    let total: f64 = made.map(|e| length(output.way((e, 0)))).sum();
+    let now = incident.iter().skip(output.given()).filter(|at| at.len() == 1).count();
     let surplus = now.saturating_sub((ALLOWED * density * total) as usize);
     let mut branches = Vec::new();
-    for end in loose_ends(output, input) {
+    for end in loose_ends(output, input).into_iter().filter(|e| e.sample as usize >= output.given()) {
         let mut branch = vec![end.sample];
         let (mut at, mut walked) = (end.sample, 0.0);
         let mut before = u32::MAX;
@@ -189,6 +198,11 @@ fn remove_branches(output: &mut CurveOutput, input: &CurveInput) -> usize {
             walked += length(output.way((e, d)));
             at = output.edges[e as usize].ends[1 - d];
             before = e;
+            if (at as usize) < output.given() {
+                let goes_on = output.ahead(at).is_some();
+                walked = if goes_on { f64::INFINITY } else { walked };
+                break;
+            }
             if incident[at as usize].len() > 2 || walked > STUB * delta {
                 break;
             }

@@ -1,5 +1,6 @@
 //! The synthesis from coarse to fine.
 
+use crate::context::{CurveContext, GivenLines};
 use crate::edges::improve_edges;
 use crate::existence::improve_existence;
 use crate::graph::CurveGraph;
@@ -10,7 +11,7 @@ use crate::mend::{CurveMends, mend};
 use crate::output::CurveOutput;
 use crate::positions::improve_positions;
 use crate::search::search;
-use crate::trace::{ShownPart, TracedCurve, traced};
+use crate::trace::{ShownPart, TracedCurve, traced, traced_beside};
 use vtex_base::error::{Error, Large, Result};
 use vtex_base::geometry::plane::PeriodicPlane;
 
@@ -35,6 +36,8 @@ const MOST_SAMPLES: f64 = 1_000_000.0;
 const MOST_INPUT: f64 = 60_000.0;
 /// Least length of curves by area, relative to the exemplar's; the most is as far beyond it.
 const LEAST_LENGTH: f64 = 0.6;
+/// How far curves lead beyond the canvas, in radii of neighbourhoods.
+const BEYOND: f64 = 0.4;
 /// Largest change of the exemplar's period for one that fits a tile.
 const STRETCH: f64 = 0.1;
 
@@ -100,8 +103,10 @@ pub struct CurveResult {
     pub levels: Vec<CurveLevel>,
     /// Loose ends mended.
     pub mended: CurveMends,
-    /// Measures of the exemplar and of the result.
+    /// Measures of the exemplar and of the result; beside a context, of its region.
     pub measures: [CurveMeasures; 2],
+    /// Ends of the lines of a context that lead into its region, and how many of them are continued.
+    pub continued: [usize; 2],
 }
 
 /// Synthesises curves like those of an exemplar, given as their graph. `go_on` is asked between parts of the work. An
@@ -120,35 +125,19 @@ pub fn curves(
         return Ok(CurveResult::default());
     }
     let own = exemplar.stretched(stretch(exemplar.plane, params));
-    let page = own.plane;
-    let spacing = page.area() / total;
-    let long = page.size[0].max(page.size[1]);
-    let finest = (FINEST / SIDE * long).min(SPACING * spacing);
-    let scale = |level: f64| {
-        let distance = level * finest;
-        let radius = libm::sqrt(NEIGHBOURS * distance * spacing / std::f64::consts::PI).max(1.6 * distance);
-        CurveScale { distance, radius }
-    };
-    let coarsest = scale(LEVELS[0]);
-    let input = repeated(&own, 4.5 * coarsest.radius, finest)?;
-    let plane = canvas(page, params, coarsest.radius);
-    let expected = |level: f64| total / page.area() * plane.area() / (level * finest);
-    if expected(1.0) > MOST_SAMPLES {
-        return Err(Error::TooLarge {
-            what: Large::Canvas,
-            name: "size".into(),
-            found: format!("curves of about {:.0} samples", expected(1.0)),
-            limit: format!("{MOST_SAMPLES:.0}"),
-        });
-    }
-    let used: Vec<CurveScale> =
-        LEVELS.iter().filter(|l| expected(**l) <= MOST_OPTIMISED).map(|l| scale(*l)).collect();
-    let shown = ShownPart { size: params.size, tile: params.tile, margin: 0.4 * coarsest.radius };
-    let wanted = total / page.area() * plane.area();
+    let scales = LevelScales::new(&own);
+    let input = repeated(&own, 4.5 * scales.coarsest().radius, scales.finest)?;
+    let plane = canvas(own.plane, params, scales.coarsest().radius);
+    let used = scales.levels(plane.area())?;
+    let shown = ShownPart { size: params.size, tile: params.tile, margin: BEYOND * scales.coarsest().radius };
+    let wanted = scales.density * plane.area();
+    let task = CurveTask { input: &input, coarsest: scales.coarsest(), plane, params, given: None };
     // Where the optimisation loses the curves, patches alone are taken.
     let attempts = if used.is_empty() { vec![used] } else { vec![used, Vec::new()] };
     for levels in attempts {
-        let (graph, mut result) = attempt(&input, (&levels, coarsest), plane, params, go_on)?;
+        let (output, samples, mut result) = task.attempt(&levels, go_on)?;
+        let graph = output.graph(&samples, false);
+        result.measures = [CurveMeasures::of(&samples.graph), CurveMeasures::of(&graph)];
         let share = result.measures[1].length / wanted;
         if (LEAST_LENGTH..=1.0 / LEAST_LENGTH).contains(&share) || params.without.no_patches {
             result.curves = traced(&graph, shown, params.tolerance);
@@ -164,52 +153,162 @@ pub fn curves(
     })
 }
 
-/// Curves on a canvas that are optimised on the given levels, or patches of the coarsest scale if there are none. The
-/// result has no curves yet, but their graph.
-fn attempt(
-    input: &CurveGraph,
-    (levels, coarsest): (&[CurveScale], CurveScale),
-    plane: PeriodicPlane,
+/// Synthesises curves in a region beside lines that stand, and goes on from these. The result holds the new curves alone.
+/// `params.tile` must be false. The region must reach onto the canvas.
+///
+/// # Errors
+/// [`Error::TooLarge`] for too many curves, and those of `go_on`.
+pub fn curves_beside(
+    exemplar: &CurveGraph,
+    context: &CurveContext,
     params: &CurveParams,
     go_on: &dyn Fn() -> Result<()>,
-) -> Result<(CurveGraph, CurveResult)> {
-    let mut result = CurveResult::default();
-    let mut settled = |output: CurveOutput, input: &CurveInput| {
-        go_on()?;
-        if levels.is_empty() {
-            return Ok(output);
+) -> Result<CurveResult> {
+    if exemplar.length() <= 0.0 {
+        return Ok(CurveResult::default());
+    }
+    let scales = LevelScales::new(exemplar);
+    let coarsest = scales.coarsest();
+    let input = repeated(exemplar, 4.5 * coarsest.radius, scales.finest)?;
+    let lines = GivenLines::new(context, params.size, (coarsest, scales.finest));
+    let used = scales.levels(lines.plane.area())?;
+    let wanted = scales.density * lines.free_area(scales.spacing);
+    let task = CurveTask { input: &input, coarsest, plane: lines.plane, params, given: Some(&lines) };
+    let attempts = if used.is_empty() { vec![used] } else { vec![used, Vec::new()] };
+    let last = attempts.len() - 1;
+    let mut made = CurveResult::default();
+    for (number, levels) in attempts.into_iter().enumerate() {
+        let (output, samples, mut result) = task.attempt(&levels, go_on)?;
+        let graph = output.graph(&samples, true);
+        let share = graph.length() / wanted.max(1e-9);
+        if number < last
+            && !(LEAST_LENGTH..=1.0 / LEAST_LENGTH).contains(&share)
+            && !params.without.no_patches
+        {
+            continue;
         }
-        let (output, level) = level_of(output, input, params, go_on)?;
-        result.levels.push(level);
-        Ok::<_, Error>(output)
-    };
-    let sampled = |scale: CurveScale| -> Result<CurveInput> {
-        let mut samples = CurveInput::new(input, scale, go_on)?;
-        samples.with_edges = !params.without.no_edge;
-        samples.is_robust = !params.without.no_robust;
-        Ok(samples)
-    };
-    let mut last = sampled(levels.first().copied().unwrap_or(coarsest))?;
-    let start = match params.without.no_patches {
-        true => noise(&last, plane, params.seed),
-        false => patches(&last, plane, (params.variation, params.seed), go_on)?,
-    };
-    let mut output = settled(start, &last)?;
-    for scale in levels.iter().skip(1) {
-        let finer = sampled(*scale)?;
-        output = settled(output.resampled(&last, &finer), &finer)?;
-        last = finer;
+        let whole = CurveMeasures::of_part(&output.graph(&samples, false), |p| lines.is_shown(p, 0.0));
+        result.measures = [CurveMeasures::of(&samples.graph), whole];
+        let leads = (0..output.given()).filter(|s| output.ahead[*s].is_some());
+        let is_continued = |s: &usize| output.made_edges().iter().any(|e| e.ends.contains(&(*s as u32)));
+        let ends: Vec<usize> = leads.collect();
+        result.continued = [ends.len(), ends.iter().filter(|s| is_continued(s)).count()];
+        let margin = BEYOND * coarsest.radius;
+        result.curves = traced_beside(&graph, (&lines, &output.ahead), (margin, params.tolerance));
+        made = result;
+        break;
     }
-    if !params.without.no_mend {
-        result.mended = mend(&mut output, &last);
+    // Levels are reported on the canvas.
+    for level in &mut made.levels {
+        let moved = |p: &mut [f64; 2]| *p = [p[0] + lines.low[0], p[1] + lines.low[1]];
+        level.output.iter_mut().for_each(|o| moved(&mut o.0));
+        level.edges.iter_mut().for_each(|e| moved(&mut e[0]));
     }
-    go_on()?;
-    if params.without.no_orientation {
-        output.edges.iter_mut().for_each(|edge| edge.from = [None; 2]);
+    Ok(made)
+}
+
+/// The lengths of all levels.
+struct LevelScales {
+    finest: f64,
+    /// Length of curves by area, and its inverse, the mean distance between curves.
+    density: f64,
+    spacing: f64,
+}
+
+impl LevelScales {
+    fn new(exemplar: &CurveGraph) -> Self {
+        let page = exemplar.plane;
+        let total = exemplar.length();
+        let (density, spacing) = (total / page.area(), page.area() / total);
+        let long = page.size[0].max(page.size[1]);
+        Self { finest: (FINEST / SIDE * long).min(SPACING * spacing), density, spacing }
     }
-    let graph = output.graph(&last);
-    result.measures = [CurveMeasures::of(&last.graph), CurveMeasures::of(&graph)];
-    Ok((graph, result))
+
+    fn of(&self, level: f64) -> CurveScale {
+        let distance = level * self.finest;
+        let radius = libm::sqrt(NEIGHBOURS * distance * self.spacing / std::f64::consts::PI);
+        CurveScale { distance, radius: radius.max(1.6 * distance) }
+    }
+
+    fn coarsest(&self) -> CurveScale {
+        self.of(LEVELS[0])
+    }
+
+    /// The levels on which a canvas of an area is optimised.
+    fn levels(&self, area: f64) -> Result<Vec<CurveScale>> {
+        let expected = |level: f64| self.density * area / (level * self.finest);
+        if expected(1.0) > MOST_SAMPLES {
+            return Err(Error::TooLarge {
+                what: Large::Canvas,
+                name: "size".into(),
+                found: format!("curves of about {:.0} samples", expected(1.0)),
+                limit: format!("{MOST_SAMPLES:.0}"),
+            });
+        }
+        Ok(LEVELS.iter().filter(|l| expected(**l) <= MOST_OPTIMISED).map(|l| self.of(*l)).collect())
+    }
+}
+
+/// Curves to be made on a plane.
+struct CurveTask<'a> {
+    input: &'a CurveGraph,
+    coarsest: CurveScale,
+    plane: PeriodicPlane,
+    params: &'a CurveParams,
+    /// Lines that stand there already.
+    given: Option<&'a GivenLines>,
+}
+
+impl CurveTask<'_> {
+    /// Samples and edges that are optimised on the given levels, or patches of the coarsest scale if there are none; and
+    /// the samples of the exemplar on the last level. The result has no curves and measures yet.
+    fn attempt(
+        &self,
+        levels: &[CurveScale],
+        go_on: &dyn Fn() -> Result<()>,
+    ) -> Result<(CurveOutput, CurveInput, CurveResult)> {
+        let &Self { input, params, given, .. } = self;
+        let mut result = CurveResult::default();
+        let mut settled = |output: CurveOutput, input: &CurveInput| {
+            go_on()?;
+            if levels.is_empty() {
+                return Ok(output);
+            }
+            let (output, level) = level_of(output, input, (params, given), go_on)?;
+            result.levels.push(level);
+            Ok::<_, Error>(output)
+        };
+        let sampled = |scale: CurveScale| -> Result<CurveInput> {
+            let mut samples = CurveInput::new(input, scale, go_on)?;
+            samples.with_edges = !params.without.no_edge;
+            samples.is_robust = !params.without.no_robust;
+            Ok(samples)
+        };
+        let standing = |samples: &CurveInput| match given {
+            Some(given) => given.samples(samples, go_on),
+            None => Ok(CurveOutput::new(self.plane)),
+        };
+        let mut last = sampled(levels.first().copied().unwrap_or(self.coarsest))?;
+        let start = standing(&last)?;
+        let start = match params.without.no_patches {
+            true => noise(&last, start, params.seed, given),
+            false => patches(&last, start, (params.variation, params.seed), given, go_on)?,
+        };
+        let mut output = settled(start, &last)?;
+        for scale in levels.iter().skip(1) {
+            let finer = sampled(*scale)?;
+            output = settled(output.resampled(&last, &finer, standing(&finer)?), &finer)?;
+            last = finer;
+        }
+        if !params.without.no_mend {
+            result.mended = mend(&mut output, &last);
+        }
+        go_on()?;
+        if params.without.no_orientation {
+            output.edges.iter_mut().for_each(|edge| edge.from = [None; 2]);
+        }
+        Ok((output, last, result))
+    }
 }
 
 /// Factors of the exemplar's sides with which a whole number of its periods fits a tile.
@@ -257,7 +356,7 @@ fn canvas(page: PeriodicPlane, params: &CurveParams, radius: f64) -> PeriodicPla
 pub(crate) fn level_of(
     mut output: CurveOutput,
     input: &CurveInput,
-    params: &CurveParams,
+    (params, given): (&CurveParams, Option<&GivenLines>),
     go_on: &dyn Fn() -> Result<()>,
 ) -> Result<(CurveOutput, CurveLevel)> {
     let mut level = CurveLevel::default();
@@ -272,7 +371,7 @@ pub(crate) fn level_of(
         improve_edges(&mut output, input, &matches);
         go_on()?;
         if !params.without.no_existence {
-            let (keep, added) = improve_existence(&output, input, &matches);
+            let (keep, added) = improve_existence(&output, input, &matches, given);
             let removed = keep.iter().filter(|k| !**k).count();
             level.changed = [level.changed[0] + added.len(), level.changed[1] + removed];
             changes = removed + added.len();
@@ -288,7 +387,7 @@ pub(crate) fn level_of(
         }
     }
     let ends = |of: &CurveOutput| of.incident().iter().filter(|at| at.len() < 2).count();
-    let fewer = (output.edges.len() as f64) < KEPT * before.edges.len() as f64;
+    let fewer = (output.made_edges().len() as f64) < KEPT * before.made_edges().len() as f64;
     if !params.without.no_patches && (fewer || ends(&output) > ends(&before)) {
         output = before;
         level.undone = true;

@@ -27,11 +27,32 @@ pub(crate) struct CurveOutput {
     pub(crate) source: Vec<u32>,
     pub(crate) style: Vec<u32>,
     pub(crate) edges: Vec<JoinedEdge>,
+    /// Of the first samples, which are given and stay as they are, the direction in which the curve goes on if it ends
+    /// there and is to be continued.
+    pub(crate) ahead: Vec<Option<[f64; 2]>>,
+    /// Number of the edges, the first ones, that are given.
+    pub(crate) given_edges: usize,
 }
 
 impl CurveOutput {
     pub(crate) fn new(plane: PeriodicPlane) -> Self {
-        Self { plane, points: Vec::new(), source: Vec::new(), style: Vec::new(), edges: Vec::new() }
+        let (points, source, style, edges) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        Self { plane, points, source, style, edges, ahead: Vec::new(), given_edges: 0 }
+    }
+
+    /// Number of the samples, the first ones, that are given.
+    pub(crate) fn given(&self) -> usize {
+        self.ahead.len()
+    }
+
+    /// The direction in which a given curve goes on from a sample.
+    pub(crate) fn ahead(&self, sample: u32) -> Option<[f64; 2]> {
+        self.ahead.get(sample as usize).copied().flatten()
+    }
+
+    /// The edges that are made.
+    pub(crate) fn made_edges(&self) -> &[JoinedEdge] {
+        &self.edges[self.given_edges..]
     }
 
     pub(crate) fn len(&self) -> usize {
@@ -68,7 +89,7 @@ impl CurveOutput {
         self.incident().iter().map(|at| at.iter().map(|e| self.way(*e)).collect()).collect()
     }
 
-    /// Keeps some samples, and the edges between them.
+    /// Keeps some samples, and the edges between them. Given ones must be kept.
     pub(crate) fn retain(&mut self, keep: &[bool]) {
         let mut new = vec![u32::MAX; self.len()];
         let mut count = 0;
@@ -89,9 +110,13 @@ impl CurveOutput {
     }
 
     /// Lets each end of an edge follow a half-edge of the source of its sample, which gives the edge its direction and
-    /// course there: that of the nearest direction. No two follow the same.
+    /// course there: that of the nearest direction. No two follow the same. Where a given curve goes on, the edge follows
+    /// that.
     pub(crate) fn improve_orientations(&mut self, input: &CurveInput) {
         for (s, at) in self.incident().iter().enumerate() {
+            if self.ahead(s as u32).is_some() {
+                continue;
+            }
             let leaving = &input.graph.leaving[self.source[s] as usize];
             let mut pairs = Vec::new();
             for (k, &of) in at.iter().enumerate() {
@@ -118,14 +143,49 @@ impl CurveOutput {
         }
     }
 
-    /// The graph of the curves along the edges.
-    pub(crate) fn graph(&self, input: &CurveInput) -> CurveGraph {
-        let edges = (0..self.edges.len() as u32).map(|e| CurveEdge {
-            ends: self.edges[e as usize].ends,
-            shape: self.course(e, input),
-            style: self.edges[e as usize].style,
-        });
-        CurveGraph::new(self.plane, self.points.clone(), vec![false; self.len()], edges.collect())
+    /// The graph of the curves along all edges, or along those that are made. Where a given curve goes on, they do so in
+    /// its direction.
+    pub(crate) fn graph(&self, input: &CurveInput, made: bool) -> CurveGraph {
+        let first = if made { self.given_edges } else { 0 };
+        let mut leaving = vec![0u32; self.given()];
+        for s in self.made_edges().iter().flat_map(|e| e.ends).filter(|s| (*s as usize) < self.given()) {
+            leaving[s as usize] += 1;
+        }
+        // Where several edges leave an end, none of them goes on alone.
+        let ahead = |e: usize| {
+            let goes_on =
+                |s: u32| self.ahead(s).filter(|_| e >= self.given_edges && leaving[s as usize] == 1);
+            self.edges[e].ends.map(goes_on)
+        };
+        let numbers: Vec<usize> = (first..self.edges.len()).collect();
+        let is_led = |e: usize| ahead(e).iter().any(Option::is_some);
+        let mut shapes: Vec<Vec<[f64; 2]>> = vec![Vec::new(); self.edges.len()];
+        for &e in numbers.iter().filter(|e| !is_led(**e)) {
+            shapes[e] = self.course(e as u32, input);
+        }
+        let incident = self.incident();
+        for &e in numbers.iter().filter(|e| is_led(**e)) {
+            let edge = &self.edges[e];
+            // The other end takes over the direction of the edge that follows.
+            let direction = |d: usize| {
+                ahead(e)[d].or_else(|| match incident[edge.ends[d] as usize][..] {
+                    [a, b] => {
+                        let (next, side) = if a.0 as usize == e { b } else { a };
+                        let course = &shapes[next as usize];
+                        (course.len() > 1).then(|| leaving_direction(course, side).map(|v| -v))
+                    }
+                    _ => edge.from[d].map(|half| input.graph.tangent(half)),
+                })
+            };
+            shapes[e] = led(self.way((e as u32, 0)), [direction(0), direction(1)]);
+        }
+        let edge = |e: usize| CurveEdge {
+            ends: self.edges[e].ends,
+            shape: std::mem::take(&mut shapes[e]),
+            style: self.edges[e].style,
+        };
+        let edges = numbers.into_iter().map(edge).collect();
+        CurveGraph::new(self.plane, self.points.clone(), vec![false; self.len()], edges)
     }
 
     /// The course of an edge: that of the half-edge which it follows, sheared to its own way; where its ends follow two,
@@ -164,34 +224,46 @@ impl CurveOutput {
         }
     }
 
-    /// Samples at the distance of another level along the curves, each with the nearest sample of that level where the
-    /// samples so far come from.
-    pub(crate) fn resampled(&self, input: &CurveInput, next: &CurveInput) -> Self {
-        let graph = self.graph(input).sampled(next.scale.distance);
+    /// Samples at the distance of another level along the curves that are made, after those `given` there. Each has the
+    /// nearest sample of that level where the samples so far come from.
+    pub(crate) fn resampled(&self, input: &CurveInput, next: &CurveInput, given: Self) -> Self {
+        let graph = self.graph(input, true).sampled(next.scale.distance);
         let reach = 1.5 * input.scale.distance;
         let index = PointIndex::new(self.plane, reach, &self.points);
+        let standing = PointIndex::new(self.plane, reach, &given.points);
         let numbers: Vec<usize> = (0..graph.points.len()).collect();
-        let source = vtex_base::parallel::map(&numbers, |&n| {
+        // The given sample that a node stands for, or the source of a new one.
+        let of_node = vtex_base::parallel::map(&numbers, |&n| {
             let (at, leaving) = (graph.points[n], &graph.leaving[n]);
             let style = leaving.first().map(|h| graph.edge(*h).style);
             let mut nearest: Option<(f64, u32, [f64; 2])> = None;
+            let mut is_given = false;
             index.within(at, reach, |s, way| {
                 let far = way[0] * way[0] + way[1] * way[1];
+                is_given |= s < self.given() && far == 0.0;
                 let better = nearest.is_none_or(|b| far < b.0 || far == b.0 && (s as u32) < b.1);
                 if Some(self.style[s]) == style && better {
                     nearest = Some((far, s as u32, way));
                 }
             });
+            if is_given {
+                return standing.nearest(at, reach).map(|(g, _)| (Some(g as u32), 0));
+            }
             let (_, s, way) = nearest?;
             let from = input.graph.points[self.source[s as usize] as usize];
-            next.nearest_like([from[0] - way[0], from[1] - way[1]], (style?, leaving.len()))
+            let source = next.nearest_like([from[0] - way[0], from[1] - way[1]], (style?, leaving.len()))?;
+            Some((None, source))
         });
-        let mut new = Self::new(self.plane);
+        let mut new = given;
         let mut number = vec![u32::MAX; graph.points.len()];
-        for (n, source) in source.into_iter().enumerate() {
-            if let Some(source) = source {
-                number[n] = new.push(graph.points[n], source, next);
-                new.style[number[n] as usize] = graph.edge(graph.leaving[n][0]).style;
+        for (n, found) in of_node.into_iter().enumerate() {
+            match found {
+                Some((Some(given), _)) => number[n] = given,
+                Some((None, source)) => {
+                    number[n] = new.push(graph.points[n], source, next);
+                    new.style[number[n] as usize] = graph.edge(graph.leaving[n][0]).style;
+                }
+                None => {}
             }
         }
         for edge in &graph.edges {
@@ -219,6 +291,36 @@ impl CurveInput {
         });
         best.map(|b| b.1)
     }
+}
+
+/// A curve along a way, with the directions of length 1 into it from its ends: a cubic by Hermite. An end without a
+/// direction bends as the other one asks.
+fn led(way: [f64; 2], directions: [Option<[f64; 2]>; 2]) -> Vec<[f64; 2]> {
+    let size = libm::sqrt(way[0] * way[0] + way[1] * way[1]);
+    let leave = directions[0].map(|a| [size * a[0], size * a[1]]);
+    let arrive = directions[1].map(|a| [-size * a[0], -size * a[1]]);
+    // The tangent at the free end of a parabola.
+    let other = |t: [f64; 2]| [2.0 * way[0] - t[0], 2.0 * way[1] - t[1]];
+    let (leave, arrive) = match (leave, arrive) {
+        (Some(a), Some(b)) => (a, b),
+        (Some(a), None) => (a, other(a)),
+        (None, Some(b)) => (other(b), b),
+        (None, None) => (way, way),
+    };
+    let point = |k: usize| {
+        let t = k as f64 / BLENDED as f64;
+        let (from, to) = (t * (1.0 - t) * (1.0 - t), t * t * (t - 1.0));
+        let share = t * t * (3.0 - 2.0 * t);
+        [0, 1].map(|i| share * way[i] + from * leave[i] + to * arrive[i])
+    };
+    (0..=BLENDED).map(point).collect()
+}
+
+/// The direction in which a course leaves its beginning, or its end.
+fn leaving_direction(course: &[[f64; 2]], end: usize) -> [f64; 2] {
+    let last = course.len() - 1;
+    let [from, to] = if end == 0 { [course[0], course[1]] } else { [course[last], course[last - 1]] };
+    unit([to[0] - from[0], to[1] - from[1]])
 }
 
 /// A direction of length 1, or nothing.

@@ -7,9 +7,14 @@ use vtex_base::error::Result;
 use vtex_base::geometry::coherence::{self, CompareNeighbourhoods, NeighbourhoodMatches};
 use vtex_base::geometry::dense::{DenseAssignment, NONE};
 use vtex_base::geometry::plane::{PointIndex, Vicinity};
+use vtex_base::parallel;
 
 /// What a sample costs that has no match though every one should, in sample distances: more than any match.
 const FORCED: f64 = 100.0;
+/// Longest distance of matched samples beside given lines, in sample distances.
+const BESIDE_GIVEN: f64 = 1.2;
+/// Samples between two questions whether to go on.
+const AT_ONCE: usize = 256;
 /// Neighbours whose sources are asked.
 const ASKED: usize = 12;
 
@@ -23,7 +28,7 @@ pub(crate) fn matched_pairs<'a>(
     std::iter::once((s as u32, output.source[s])).chain(others.filter(|p| p.1 != NONE))
 }
 
-/// What a sample costs that is left alone (c of §2.4.2).
+/// What a sample costs that is left alone (c of §2.4.2.3).
 pub(crate) fn alone(edges: usize, delta: f64) -> f64 {
     (1.2 + 0.4 * edges as f64).min(2.0) * delta
 }
@@ -53,12 +58,19 @@ impl CompareNeighbourhoods for CurveComparison<'_> {
         let missing =
             |c: usize| if c < inner { alone(input.ways[ids[c] as usize].len(), delta) } else { 0.0 };
         total += (0..inner).map(missing).sum::<f64>();
-        // Rows cost the same alone, so the difference is added here and taken off the row's entries.
-        let spare = |s: usize| if input.is_robust { leave - alone(ways[s].len(), delta) } else { 0.0 };
+        // Rows cost the same alone, so the difference is added here and taken off the row's entries. A given sample is no
+        // outlier.
+        let spare = |s: usize| match input.is_robust {
+            true if s < output.given() => leave - FORCED * delta,
+            true => leave - alone(ways[s].len(), delta),
+            false => 0.0,
+        };
         total -= own.clone().map(|k| spare(near.ids[k] as usize)).sum::<f64>();
         assignment.begin(ids.len(), leave);
         let mut least = 0.0;
-        let reach = 4.0 * leave * leave;
+        // Beside given lines something may be missing for good, which nothing far away should stand for.
+        let farthest = if output.given() > 0 { BESIDE_GIVEN * delta } else { 2.0 * leave };
+        let reach = farthest * farthest;
         for k in own {
             let (way, other) = (near.ways[k], near.ids[k] as usize);
             let (of, spare) = ((&ways[other][..], output.style[other]), spare(other));
@@ -112,4 +124,38 @@ pub(crate) fn search(
     let found = coherence::search(input.sources(), &near, (&output.source, ASKED), compare, go_on)?;
     output.source = found.source;
     Ok(NeighbourhoodMatches { near, matched: found.matched, cost: found.cost })
+}
+
+/// Lets each sample have that of its candidates whose neighbourhood is most similar. `go_on` is asked in between.
+///
+/// # Errors
+/// Those of `go_on`.
+pub(crate) fn choose_sources(
+    output: &mut CurveOutput,
+    input: &CurveInput,
+    candidates: &[Vec<u32>],
+    go_on: &dyn Fn() -> Result<()>,
+) -> Result<()> {
+    let radius = input.scale.radius;
+    let index = PointIndex::new(output.plane, radius, &output.points);
+    let near = Vicinity::new(&index, &output.points, radius, (MOST_NEAR_OUTPUT, true));
+    let ways = output.ways();
+    let samples: Vec<usize> = (0..output.len()).collect();
+    let mut chosen = Vec::with_capacity(samples.len());
+    for part in samples.chunks(AT_ONCE) {
+        go_on()?;
+        chosen.extend(parallel::map(part, |s| {
+            let assignment = DenseAssignment::default();
+            let mut compare = CurveComparison { input, output, ways: &ways, near: &near, assignment };
+            let mut best = (output.source[*s], f64::INFINITY);
+            for source in &candidates[*s] {
+                if let Some(cost) = compare.distance(*s, *source, best.1) {
+                    best = (*source, cost);
+                }
+            }
+            best.0
+        }));
+    }
+    output.source = chosen;
+    Ok(())
 }

@@ -1,5 +1,6 @@
 //! Curves as paths: chains through opposite directions (§2.4.4), and Béziers fitted to them.
 
+use crate::context::GivenLines;
 use crate::graph::{CurveGraph, EdgeChain, along};
 use vtex_base::geometry::plane::{PeriodicPlane, length};
 use vtex_base::geometry::{BezPath, PathEl, Point, Vec2, fitted_curve};
@@ -9,6 +10,9 @@ use vtex_base::parallel;
 const FINEST: f64 = 1e-3;
 /// Cosine of the turn from which on a place of a course is a corner: 40°.
 const CORNER: f64 = 0.766;
+
+/// Steps in which the place is found where a curve passes the border of a region.
+const BISECTIONS: usize = 20;
 
 /// A curve of the result.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,6 +35,99 @@ pub(crate) struct ShownPart {
     pub(crate) margin: f64,
 }
 
+/// The curves of a graph beside given lines, as far as they lie in the region. Where one goes on from the end of a line,
+/// it reaches that also if the line ends before the region: `ahead` says of the first nodes whether they are such ends.
+/// Curves lead up to `margin` beyond the canvas.
+pub(crate) fn traced_beside(
+    graph: &CurveGraph,
+    (lines, ahead): (&GivenLines, &[Option<[f64; 2]>]),
+    (margin, tolerance): (f64, f64),
+) -> Vec<TracedCurve> {
+    let chains = graph.chains(true);
+    let of_chain = |chain: &EdgeChain| {
+        let course = graph.chain_course(chain).0;
+        let style = graph.edge(chain.halves[0]).style;
+        let step = (2.0 * tolerance).max(FINEST * along(&course));
+        let points = even(&course, step, chain.closed);
+        let nodes = [graph.start(chain.halves[0]), graph.end(chain.halves[chain.halves.len() - 1])];
+        let leaves_line = nodes.map(|n| ahead.get(n as usize).is_some_and(Option::is_some));
+        let parts = lines.parts((points, chain.closed), leaves_line, margin);
+        let curve = |(mut points, closed): (Vec<CoursePoint>, bool)| {
+            let is_shown = |w: &&[CoursePoint]| {
+                let middle = w[0].at.midpoint(w[1].at);
+                lines.is_shown([middle.x, middle.y], 0.0)
+            };
+            let shown = points.windows(2).filter(is_shown);
+            let shown_length = shown.map(|w| libm::sqrt((w[1].at - w[0].at).hypot2())).sum();
+            points.iter_mut().for_each(|p| p.at += Vec2::new(lines.low[0], lines.low[1]));
+            let points = if closed { from_corner(points) } else { points };
+            TracedCurve { path: fitted(&points, closed, tolerance), style, shown_length }
+        };
+        parts.into_iter().map(curve).collect::<Vec<_>>()
+    };
+    parallel::map(&chains, of_chain).concat()
+}
+
+/// A closed course that begins at a corner, if it has one.
+fn from_corner(mut points: Vec<CoursePoint>) -> Vec<CoursePoint> {
+    points.pop();
+    let turn = points.iter().position(|p| p.corner).unwrap_or(0);
+    points.rotate_left(turn);
+    points.push(points[0]);
+    points
+}
+
+impl GivenLines {
+    /// The parts of a course in the region, and whether they are closed. `leaves_line` says whether its ends are on given
+    /// lines.
+    fn parts(
+        &self,
+        (points, closed): (Vec<CoursePoint>, bool),
+        leaves_line: [bool; 2],
+        margin: f64,
+    ) -> Vec<(Vec<CoursePoint>, bool)> {
+        let is_inside = |p: &CoursePoint| self.is_shown([p.at.x, p.at.y], margin);
+        let inside: Vec<bool> = points.iter().map(is_inside).collect();
+        if inside.iter().all(|i| *i) {
+            return vec![(points, closed)];
+        }
+        let (Some(first), Some(last)) = (inside.iter().position(|i| *i), inside.iter().rposition(|i| *i))
+        else {
+            return Vec::new();
+        };
+        let shown = |k: usize| inside[k] || leaves_line[0] && k < first || leaves_line[1] && k > last;
+        // Where a course passes the border, from a point that is shown to one that is not.
+        let border = |from: usize, to: usize| {
+            let (mut on, mut off) = (points[from].at, points[to].at);
+            for _ in 0..BISECTIONS {
+                let middle = on.midpoint(off);
+                let held = self.is_shown([middle.x, middle.y], margin);
+                *(if held { &mut on } else { &mut off }) = middle;
+            }
+            CoursePoint { at: on, corner: false }
+        };
+        let mut parts: Vec<Vec<CoursePoint>> = Vec::new();
+        for k in 0..points.len() {
+            match (k > 0 && shown(k - 1), shown(k)) {
+                (false, true) => {
+                    let begin = if k > 0 { vec![border(k, k - 1), points[k]] } else { vec![points[k]] };
+                    parts.push(begin);
+                }
+                (true, true) => parts.last_mut().map_or((), |part| part.push(points[k])),
+                (true, false) => parts.last_mut().map_or((), |part| part.push(border(k - 1, k))),
+                (false, false) => {}
+            }
+        }
+        let ring = closed && shown(0) && parts.len() > 1;
+        if ring && let Some(mut tail) = parts.pop() {
+            tail.pop();
+            tail.append(&mut parts[0]);
+            parts[0] = tail;
+        }
+        parts.into_iter().filter(|part| part.len() > 1).map(|part| (part, false)).collect()
+    }
+}
+
 /// All curves of a graph, as long as they run on smoothly. `tolerance` is the largest deviation of a path.
 pub(crate) fn traced(graph: &CurveGraph, shown: ShownPart, tolerance: f64) -> Vec<TracedCurve> {
     let chains = graph.chains(true);
@@ -46,10 +143,7 @@ pub(crate) fn traced(graph: &CurveGraph, shown: ShownPart, tolerance: f64) -> Ve
                 // An endless curve overlaps its copy, so that no seam shows.
                 points.push(CoursePoint { at: points[1].at + (last - first), ..points[1] });
             } else if closed {
-                points.pop();
-                let turn = points.iter().position(|p| p.corner).unwrap_or(0);
-                points.rotate_left(turn);
-                points.push(points[0]);
+                points = from_corner(points);
             }
             let shown_length = shown.length(&points);
             TracedCurve { path: fitted(&points, closed && !endless, tolerance), style, shown_length }

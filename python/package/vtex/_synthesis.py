@@ -38,6 +38,8 @@ def synthesize(
     map: _inputs.Picture | Sequence[_inputs.Picture] | None = None,
     control: _inputs.Picture | None = None,
     guide: _inputs.Picture | None = None,
+    context: _inputs.Picture | None = None,
+    region: _inputs.Picture | None = None,
     progress: _inputs.Progress | None = None,
 ) -> Scene:
     """Make a texture of any size like the exemplar of a library.
@@ -101,6 +103,12 @@ def synthesize(
         Layers as in a map, in the colours of the library's layers.
     guide : picture, optional
         Light and dark as in another picture; floats are lightness, 0 to 1.
+    context : SVG, optional
+        A drawing that stays as it is, in the units of the library's drawing: the lines made in `region` go on
+        from its own. The canvas is its page, unless `size` is given. The scene holds it as the layer `drawn`,
+        and what is made as the layer `predicted`. For one drawing of lines, without other things that steer.
+    region : SVG, optional
+        The region that is filled beside `context`: all filled shapes together, fitted to the canvas.
     progress : callable, optional
         Called as ``progress(stage, done, total)`` in this thread; the work stops if it returns False or
         raises.
@@ -134,6 +142,10 @@ def synthesize(
         raise InputError("control and guide are both given", "give one of them")
     if control is not None and len(libraries) > 1:
         raise InputError(f"control is for a single library, {len(libraries)} are given")
+    if (context is None) != (region is None):
+        raise InputError("context and region go together", "give both, or neither")
+    if context is not None and any(v is not None for v in (domain, density, map, control, guide)):
+        raise InputError("a context goes with nothing else that steers", "leave out the others")
     width, height = _inputs.size_of(size) or (1000, 1000)
     parameters = {
         "width": width,
@@ -158,10 +170,10 @@ def synthesize(
     layers, lightness = _inputs.picture(control, "control"), _inputs.picture(guide, "guide")
     # Pictures that steer are fitted to the canvas, so its size is as good as given.
     sized = size is not None or bool(maps) or any((shape, densities, layers, lightness))
+    beside = _inputs.picture(context, "context"), _inputs.picture(region, "region")
     cores = [library._core for library in libraries]
-    return Scene._of(
-        _vtex.synthesize(cores, _inputs.to_json(parameters), sized, shape, densities, maps, layers, lightness, progress)
-    )
+    steering = (shape, densities, maps, layers, lightness, *beside)
+    return Scene._of(_vtex.synthesize(cores, _inputs.to_json(parameters), sized, *steering, progress))
 
 
 def reconstruct(library: Library) -> Scene:

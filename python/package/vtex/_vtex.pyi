@@ -113,6 +113,8 @@ def synthesize(
     maps: Sequence[_Named],
     control: _Named | None,
     guide: _Named | None,
+    context: _Named | None,
+    region: _Named | None,
     progress: _Progress | None,
 ) -> Scene: ...
 def reconstruct(library: Library) -> Scene: ...

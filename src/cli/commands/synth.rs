@@ -7,6 +7,7 @@ use crate::cli::failure::Failure;
 use crate::cli::format;
 use crate::cli::input::Input;
 use crate::cli::options::common;
+use crate::cli::options::context::{ContextArgs, ContextFiles};
 use crate::cli::options::control::{ControlArgs, Steering};
 use crate::cli::options::files::{ForceArgs, Makes, outputs, targets};
 use crate::cli::options::pattern::PatternArgs;
@@ -22,6 +23,7 @@ use crate::cli::weights::read_weights;
 use clap::Args;
 use std::path::PathBuf;
 use vtex::output::file::Format;
+use vtex::scene::{Method, SynthParams};
 
 const MAKES: Makes = Makes { allowed: format::OF_SCENE, usual: Format::Svg, word: "" };
 
@@ -37,6 +39,7 @@ Examples:
   vtex synth sand.lib.json stones.lib.json --map where-stones.png
   vtex synth photo.lib.json -o out.scene.json.gz
   vtex synth photo.lib.json --tile --pattern page.svg
+  vtex synth waves.lib.json --context drawn.svg --region free.svg
   vtex synth photo.lib.json -o - | gzip > out.svgz"
 )]
 pub(crate) struct SynthArgs {
@@ -71,6 +74,8 @@ pub(crate) struct SynthArgs {
     /// grey one for each (white all, black nothing), given one after the other
     #[arg(long, value_name = "FILE", help_heading = "Control (pictures are stretched over the canvas)")]
     pub(crate) map: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(crate) context: ContextArgs,
 }
 
 impl Arguments for SynthArgs {
@@ -87,35 +92,67 @@ impl Arguments for SynthArgs {
 
     fn job(self: Box<Self>, resolved: Resolved) -> anyhow::Result<Job> {
         let (libraries, synthesis) = self.synthesis(resolved.parameters)?;
-        Ok(Box::new(move |common, reporter| run(common, reporter, &libraries, &synthesis)))
+        Ok(Box::new(move |common, reporter| run(common, reporter, &libraries, synthesis)))
     }
 }
 
 impl SynthArgs {
     /// Checks the options: the libraries, and what is made of them.
     pub(crate) fn synthesis(self, mut parameters: Parameters) -> anyhow::Result<(Vec<Input>, Synthesis)> {
-        let Self { library, output, force, variants, pattern, control, map, .. } = self;
+        let Self { library, output, force, variants, pattern, control, map, context, .. } = self;
+        let context = context.files();
         let libraries: Vec<Input> = library.into_iter().map(Input::new).collect();
         let Some(first) = libraries.first() else {
             return Err(Failure::usage("no input is given").into());
         };
         let targets = targets(output.clone(), &force, first, MAKES)?;
         let steering = Steering::new(control, map);
-        let read: Vec<_> = libraries.iter().map(|file| ("the library", file)).collect();
+        if context.is_some() {
+            check_context(libraries.len(), &parameters.synth)?;
+        }
+        let mut read: Vec<_> = libraries.iter().map(|file| ("the library", file)).collect();
+        read.extend(context.iter().flat_map(ContextFiles::named));
         steering.check(&read, &outputs(&output))?;
         steering.check_counts(libraries.len())?;
         read_weights(parameters.weights.clone(), first, &mut parameters.synth)?;
         let synthesis = Synthesis::new(parameters, steering, targets, (pattern, variants), &force)?;
-        Ok((libraries, synthesis))
+        Ok((libraries, Synthesis { context, ..synthesis }))
     }
 }
 
-fn run(common: &Common, reporter: &Reporter, inputs: &[Input], synthesis: &Synthesis) -> anyhow::Result<()> {
+/// Refuses what does not go with a drawing that stays.
+fn check_context(libraries: usize, asked: &SynthParams) -> Result<(), Failure> {
+    let (message, hint) = match asked.method {
+        _ if libraries > 1 => {
+            let message = format!("--context is for a single library, {libraries} are given");
+            (message, "give the library of which the region is to be filled")
+        }
+        _ if asked.tile.any() => ("--context does not go with --tile".into(), "leave out --tile"),
+        Method::Auto | Method::Curves => return Ok(()),
+        _ => ("--context is for --method curves".into(), "leave out --method"),
+    };
+    Err(Failure::usage(message).hint(hint))
+}
+
+fn run(
+    common: &Common,
+    reporter: &Reporter,
+    inputs: &[Input],
+    mut synthesis: Synthesis,
+) -> anyhow::Result<()> {
     synthesis.probe()?;
     reporter.plan(Plan { canvas: Some(synthesis.megapixels()), ..Plan::default() });
     reporter.stage("reading")?;
+    let drawing = synthesis.context.as_ref().map(|files| files.drawing(reporter)).transpose()?;
+    if let Some(drawing) = &drawing {
+        synthesis.on_page([drawing.source.width, drawing.source.height]);
+    }
+    let synthesis = &synthesis;
     let mut controls =
         reading::controls(&synthesis.steering, &synthesis.parameters, inputs.len(), &Input::read)?;
+    if let Some((files, drawing)) = synthesis.context.as_ref().zip(drawing) {
+        controls.context = Some(files.beside(drawing, &synthesis.parameters)?);
+    }
     let libraries = reading::libraries(inputs)?;
     let exemplars: Vec<String> = libraries.iter().map(|l| l.source.sha256.clone()).collect();
     let replaced = synthesis.ask(common, reporter, Some(&exemplars))?;

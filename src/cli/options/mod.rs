@@ -1,6 +1,7 @@
 //! Groups of options that several commands share: as types for clap, and as checked values.
 
 pub(crate) mod analyze;
+pub(crate) mod context;
 pub(crate) mod control;
 pub(crate) mod engine;
 pub(crate) mod files;

@@ -1,7 +1,7 @@
 //! Shapes and maps that steer synthesis.
 
 use vtex_base::error::{Result, check};
-use vtex_base::geometry::Outline;
+use vtex_base::geometry::{Affine, Outline};
 use vtex_base::raster::{ControlMap, LabelMap};
 use vtex_scene::library::Library;
 
@@ -19,6 +19,27 @@ pub struct Controls {
     pub shares: Vec<ControlMap>,
     /// The guide of the large structure, for a single library. `None`: chance decides.
     pub structure: Option<StructureGuide>,
+    /// A drawing that stays as it is, and the region beside it to be filled, for
+    /// [`Method::Curves`](vtex_scene::scene::Method::Curves). `None`: the whole canvas is made.
+    pub context: Option<DrawnContext>,
+}
+
+/// A drawing that stays as it is, and the region to be filled so that it fits to it (*Continuous Curve Textures*, §2.3).
+/// The texture holds the drawing as the layer `drawn`, and what is made as the layer `predicted`.
+#[derive(Clone, Debug)]
+pub struct DrawnContext {
+    /// The drawing, in the units of the canvas, its page at the canvas's upper left corner.
+    pub drawing: Library,
+    /// The region, on the canvas.
+    pub region: Outline,
+}
+
+impl DrawnContext {
+    /// The context in units of which `pixels` stand for one.
+    pub(crate) fn scaled(&self, pixels: [f64; 2]) -> Self {
+        let stretch = Affine::scale_non_uniform(pixels[0], pixels[1]);
+        Self { drawing: self.drawing.scaled(pixels), region: self.region.moved(stretch) }
+    }
 }
 
 /// The large structure that placement by correspondences follows.
@@ -42,6 +63,13 @@ impl Controls {
         let maps = self.shares.len();
         check(maps == count || (maps == 0 && count == 1), "map", maps, "a map of shares for each library")?;
         check(self.structure.is_none() || count == 1, "libraries", count, "one library where a map leads")?;
+        let alone = self.context.is_none() || count == 1 && self.domain.is_none();
+        check(
+            alone,
+            "context",
+            count,
+            "one library, without a domain: the region is the shape that is filled",
+        )?;
         let Some(StructureGuide::Strata(map)) = &self.structure else { return Ok(()) };
         let most = map.labels.iter().max().map_or(0, |&label| label as usize);
         check(most < libraries[0].strata().len(), "control", most, "numbers of layers of the library, from 0")

@@ -271,10 +271,9 @@ mod tests {
     fn areas_add_up_by_zone_and_library() {
         let map = |values: Vec<f32>| ControlMap::new(2, 1, values).unwrap();
         let controls = Controls {
-            structure: None,
-            domain: None,
             density: Some(map(vec![0.0, 2.0])),
             shares: vec![map(vec![1.0, 0.0]), map(vec![0.0, 3.0])],
+            ..Controls::default()
         };
         let grid = Grid::new([200, 50], Tile::default(), 10);
         let region = PlacementRegion::new(&grid, &controls, Edge::Clip, false);

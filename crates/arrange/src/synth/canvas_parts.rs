@@ -153,7 +153,7 @@ impl JoinedScene {
             let clip = if *is_cut || layer.field.is_some() { region.clone() } else { None };
             let name = self.free_name(&title, &layer.name);
             let (role, field) = (layer.role, layer.field.clone());
-            self.scene.layers.push(Layer { name, role, region: clip, field, instances });
+            self.scene.layers.push(Layer { name, region: clip, field, instances, ..Layer::new(role) });
         }
         self.scene.drop_unused();
     }

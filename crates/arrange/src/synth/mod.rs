@@ -13,6 +13,9 @@ pub(crate) mod compose;
 mod covered;
 #[cfg(feature = "curves")]
 mod curves;
+mod drawn;
+#[cfg(feature = "curves")]
+mod line_drawing;
 #[cfg(test)]
 mod motif_tests;
 mod neighbourhoods;
@@ -30,7 +33,7 @@ mod tests;
 mod units;
 mod vacated;
 
-pub use crate::arrange::controls::{Controls, StructureGuide};
+pub use crate::arrange::controls::{Controls, DrawnContext, StructureGuide};
 pub use crate::arrange::correspondence::Structure;
 pub use report::{CategoryReport, ClusterReport, CurveReport, SynthReport};
 pub use strata::{StratumReport, layer_map};
@@ -235,6 +238,15 @@ fn method(libraries: &[Library], params: &SynthParams, controls: &Controls) -> R
     let plain = params.weights == Weights::default() && params.ablate.iter().all(of_both);
     let led = controls.structure.is_some();
     match params.method {
+        // Only curves go on from what is drawn.
+        Method::Auto if controls.context.is_some() => {
+            method(libraries, &SynthParams { method: Method::Curves, ..params.clone() }, controls)
+        }
+        other if controls.context.is_some() && other != Method::Curves => Err(Error::Parameter {
+            name: "method",
+            value: format!("{other:?}").to_lowercase(),
+            allowed: "auto or curves beside a drawing that stands".into(),
+        }),
         Method::Auto if led && guided && plain => Ok(Method::Correspondence),
         Method::Correspondence if guided => Ok(Method::Correspondence),
         method if led => Err(Error::Parameter {

@@ -76,6 +76,9 @@ pub struct CurveReport {
     pub ends: [f64; 2],
     /// Total variation between the numbers of lines that meet at nodes, of the exemplar and of the result, 0 to 1.
     pub degree_variation: f64,
+    /// Beside a drawing that stands: its ends that lead into the region, and how many of them are continued.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub continued: Option<[usize; 2]>,
 }
 
 /// Counts of the optimisation of clustered samples, over all levels.

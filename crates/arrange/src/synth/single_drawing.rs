@@ -21,6 +21,9 @@ pub(super) fn single_drawing<'a>(
             "without turned, mirrored or resized elements, and without a map of densities or a guide",
         );
     }
+    if controls.context.is_some() && params.tile.any() {
+        return Err("without a tile that repeats, where a drawing stands");
+    }
     if params.edge != Edge::Clip {
         return Err("for elements cut where the shape or the canvas ends (edge clip)");
     }

@@ -4,6 +4,7 @@
 //! The number of pixels per unit is that of the finest photograph. Without photographs it is that of the
 //! finest drawing, reduced on large canvases.
 
+use super::drawn::with_drawing;
 use super::{Controls, SynthReport, check_canvas, in_pixels, method};
 use crate::arrange::period::check_periods;
 use vtex_base::error::{Error, Result};
@@ -58,6 +59,22 @@ fn synthesized(
     memory: Option<&PagesMemory>,
     progress: &dyn Progress,
 ) -> Result<(Scene, SynthReport)> {
+    let (scene, report) = made(libraries, params, controls, memory, progress)?;
+    let scene = match &controls.context {
+        Some(context) => with_drawing(scene, &context.drawing),
+        None => scene,
+    };
+    Ok((scene, report))
+}
+
+/// The scene without the drawing that it may be made beside.
+fn made(
+    libraries: &[Library],
+    params: &SynthParams,
+    controls: &Controls,
+    memory: Option<&PagesMemory>,
+    progress: &dyn Progress,
+) -> Result<(Scene, SynthReport)> {
     if libraries.iter().all(Library::is_in_pixels) {
         return in_pixels(libraries, params, controls, memory, progress);
     }
@@ -82,11 +99,17 @@ fn synthesized(
     let size = [params.width, params.height];
     let places = [0, 1].map(|k| f64::from(canvas[k]) / f64::from(size[k]));
     let stretch = Affine::scale_non_uniform(places[0], places[1]);
-    let steered = Controls { domain: controls.domain.as_ref().map(|d| d.moved(stretch)), ..controls.clone() };
+    let steered = Controls {
+        domain: controls.domain.as_ref().map(|d| d.moved(stretch)),
+        context: controls.context.as_ref().map(|c| c.scaled(places)),
+        ..controls.clone()
+    };
     let (scene, mut report) = in_pixels(&own, &on_pixels, &steered, memory, progress)
         .map_err(|error| in_units(error, params, scale))?;
-    // A period that repeats without a seam is stretched with the canvas; otherwise copies would not meet.
-    let elements = if period && params.tile.any() { places } else { scale };
+    // A period that repeats without a seam is stretched with the canvas; otherwise copies would not meet. So are curves
+    // that go on from others.
+    let exact = period && params.tile.any() || controls.context.is_some();
+    let elements = if exact { places } else { scale };
     let scene = scene.scaled(size, elements.map(|v| 1.0 / v));
     let given = |p: SynthParams| SynthParams {
         width: params.width,

@@ -67,7 +67,7 @@ pub fn warp(
     // A scene is bent pixel by pixel.
     let libraries: Vec<Library> = libraries.iter().map(|l| l.at_scale([1.0; 2]).into_owned()).collect();
     let shares = if libraries.len() > 1 { carried::parts(scene, bend, libraries.len()) } else { Vec::new() };
-    let controls = Controls { domain: bend.domain(scene), density: None, shares, structure: None };
+    let controls = Controls { domain: bend.domain(scene), shares, ..Controls::default() };
 
     // Variations are drawn with the scene's own seed.
     let mut model = PlacementModel::new(&libraries, &SynthParams { seed: before.seed, ..params.clone() });

@@ -192,11 +192,13 @@ impl NeighbourhoodMatches {
     }
 
     /// The changes of ways that neighbourhoods want: each matched pair asks for the way between its matches. `source` is
-    /// that of each point; `also` adds what else point i wants.
+    /// that of each point; `adapted` is what counts of the change that the neighbourhood of a point wants of the way to
+    /// another; `also` adds what else point i wants.
     pub fn wanted_ways(
         &self,
         source: &[u32],
         from: SourcePoints<'_>,
+        adapted: impl Fn(usize, u32, [f64; 2]) -> [f64; 2],
         also: impl Fn(usize, &mut WantedWays),
     ) -> WantedWays {
         let near = &self.near;
@@ -207,7 +209,8 @@ impl NeighbourhoodMatches {
             for k in near.range(s).filter(|&k| self.matched[k] != NONE) {
                 let way = near.ways[k];
                 let wanted = from.plane.between(own, from.points[self.matched[k] as usize]);
-                ways.add(near.ids[k], [wanted[0] - way[0], wanted[1] - way[1]]);
+                let change = [wanted[0] - way[0], wanted[1] - way[1]];
+                ways.add(near.ids[k], adapted(s, near.ids[k], change));
             }
             also(s, &mut ways);
         }

@@ -20,13 +20,20 @@ pub struct WantedWays {
     others: Vec<u32>,
     right: Vec<[f64; 2]>,
     degree: Vec<f64>,
+    /// Number of points, the first ones, that stay.
+    fixed: usize,
 }
 
 impl WantedWays {
     /// No pair of `count` points yet.
     pub fn new(count: usize) -> Self {
         let starts = Vec::with_capacity(count + 1);
-        Self { starts, others: Vec::new(), right: vec![[0.0; 2]; count], degree: vec![0.0; count] }
+        Self { starts, others: Vec::new(), right: vec![[0.0; 2]; count], degree: vec![0.0; count], fixed: 0 }
+    }
+
+    /// The same pairs, with the first `count` points fixed in their places.
+    pub fn with_fixed(self, count: usize) -> Self {
+        Self { fixed: count, ..self }
     }
 
     /// Begins the list of the next point.
@@ -46,7 +53,7 @@ impl WantedWays {
         }
     }
 
-    /// Moves the points of a plane by [`Self::displacements`].
+    /// Moves the points of a plane by [`Self::displacements`], but for those that are fixed.
     ///
     /// # Errors
     /// Those of `go_on`.
@@ -56,7 +63,8 @@ impl WantedWays {
         plane: PeriodicPlane,
         go_on: &dyn Fn() -> Result<()>,
     ) -> Result<()> {
-        for (p, by) in points.iter_mut().zip(self.displacements(go_on)?) {
+        let fixed = self.fixed;
+        for (p, by) in points.iter_mut().zip(self.displacements(go_on)?).skip(fixed) {
             *p = plane.wrapped([p[0] + by[0], p[1] + by[1]]);
         }
         Ok(())
@@ -89,6 +97,7 @@ impl WantedWays {
                 }
                 (0..2).for_each(|i| to[s][i] -= own[i]);
             }
+            to[..self.fixed].fill([0.0; 2]);
         };
         let dot = |a: &[[f64; 2]], b: &[[f64; 2]]| -> f64 {
             a.iter().zip(b).map(|(a, b)| a[0] * b[0] + a[1] * b[1]).sum()
@@ -98,6 +107,7 @@ impl WantedWays {
         };
         let mut moved = vec![[0.0; 2]; count];
         let mut rest = self.right.clone();
+        rest[..self.fixed].fill([0.0; 2]);
         let mut direction = scaled(&rest);
         let mut size = dot(&rest, &direction);
         let enough = size * RESIDUAL * RESIDUAL;
@@ -147,5 +157,24 @@ mod tests {
         }
         let middle: f64 = moved.iter().map(|m| m[0]).sum();
         assert!(middle.abs() < 0.05, "{middle}");
+    }
+
+    #[test]
+    fn fixed_points_stay_and_others_follow_them() {
+        let mut ways = WantedWays::new(4);
+        for s in 0..4u32 {
+            ways.next_point();
+            if s < 3 {
+                ways.add(s + 1, [1.0, 0.5]);
+            }
+        }
+        let plane = PeriodicPlane { size: [100.0; 2], wraps: [false; 2] };
+        let mut points = [[10.0, 10.0], [20.0, 10.0], [30.0, 10.0], [40.0, 10.0]];
+        ways.with_fixed(2).move_points(&mut points, plane, &|| Ok(())).unwrap();
+        assert_eq!(points[..2], [[10.0, 10.0], [20.0, 10.0]]);
+        for (s, p) in points.iter().enumerate().skip(2) {
+            let wanted = [10.0 * (s as f64 + 1.0) + (s as f64 - 1.0), 10.0 + 0.5 * (s as f64 - 1.0)];
+            assert!((p[0] - wanted[0]).abs() < 0.02 && (p[1] - wanted[1]).abs() < 0.02, "{p:?} {wanted:?}");
+        }
     }
 }

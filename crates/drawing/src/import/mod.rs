@@ -38,7 +38,7 @@ use vtex_base::error::Result;
 use vtex_base::geometry::Affine;
 use vtex_base::progress::{Progress, advance};
 use vtex_scene::element::Shape;
-use vtex_scene::library::{AnalyzeParams, Library};
+use vtex_scene::library::{AnalyzeParams, Library, MotifGrouping};
 
 /// How a drawing is read.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -104,6 +104,17 @@ pub fn import(bytes: &[u8], name: &str, params: &ImportParams, progress: &dyn Pr
     }
     advance(progress, "drawing", 4, 4)?;
     Ok(library)
+}
+
+/// Reads an SVG or SVGZ as it stands: one element for each shape, in painting order, on a page that does not repeat. For a
+/// drawing beside which a texture is made. `name` appears in errors and in the library.
+///
+/// # Errors
+/// Those of [`import`], which is not lenient.
+pub fn as_drawn(bytes: &[u8], name: &str, progress: &dyn Progress) -> Result<Library> {
+    let analyze =
+        AnalyzeParams { elements: Grouping::Path, group: MotifGrouping::None, ..AnalyzeParams::default() };
+    import(bytes, name, &ImportParams { wrap: Some(false), analyze }, progress)
 }
 
 /// Reads the shapes of an SVG or SVGZ in painting order, its page fitted to a canvas of `width` × `height`

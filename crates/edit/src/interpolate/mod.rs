@@ -170,10 +170,10 @@ impl Interpolation {
             }
             scene.layers.push(Layer {
                 name,
-                role: layer.role,
                 region: layer.region.as_ref().map(|r| r.at(when)),
                 field: layer.field.as_ref().map(|f| f.at(when)),
                 instances,
+                ..Layer::new(layer.role)
             });
         }
         scene

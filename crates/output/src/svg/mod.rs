@@ -17,7 +17,8 @@
 //! several); in an expanded file in `data-source` and `data-library` of its first path; its *place in the
 //! painting order* in the order of the document. Soft ellipses that are elements of their own have a brush
 //! and a place, but no id. Any other element of such a layer without an id is a copy of the one that its
-//! `xlink:href` or `data-copy-of` names. The layers are layers in Inkscape too, and the symbols have titles.
+//! `xlink:href` or `data-copy-of` names. Elements that were predicted have the class `predicted` too, and their number
+//! in `data-vtex-id`, which editors keep where they rename ids. The layers are layers in Inkscape too, and the symbols have titles.
 //!
 //! Ids: layers `background`, `secondary`, `primary`, or `layer-` and a name of their own, with `-region`
 //! their clip paths; `p7` the instance of id 7; `t…` and `s…` the elements, `t12g` the gradient of one,
@@ -53,7 +54,7 @@ use textons::SvgTextons;
 use vtex_base::Parameter;
 use vtex_base::error::{Error, Result};
 use vtex_base::geometry::Vec2;
-use vtex_scene::scene::{Instance, Scene};
+use vtex_scene::scene::{Instance, Layer, Scene};
 use xml::{ViewerLoad, Xml};
 
 /// The beginning of every SVG of vtex. Editors write another beginning when they save, so a file with this
@@ -351,7 +352,7 @@ impl<'a> Document<'a> {
                 _ => false,
             };
             if layer.role.is_individual() {
-                self.write_individuals(xml, &layer.instances)?;
+                self.write_individuals(xml, layer)?;
             } else {
                 self.write_compactly(xml, &layer.instances)?;
             }
@@ -419,10 +420,16 @@ impl<'a> Document<'a> {
     }
 
     /// The category of an individual element, as the class of its group, and by name in its label.
-    fn write_category<W: Write>(&self, xml: &mut Xml<W>, instance: &Instance) {
+    fn write_category<W: Write>(&self, xml: &mut Xml<W>, layer: &Layer, instance: &Instance) {
         let element = self.scene.element(instance);
-        if let Some(class) = class(self.scene, element) {
-            xml.attribute("class", class);
+        let category = class(self.scene, element);
+        let predicted = layer.predicted.then(|| Layer::PREDICTED.to_owned());
+        let classes: Vec<String> = predicted.into_iter().chain(category).collect();
+        if !classes.is_empty() {
+            xml.attribute("class", classes.join(" "));
+        }
+        if layer.predicted {
+            xml.attribute("data-vtex-id", instance.id);
         }
         if let Some(name) = self.textons.category_name(element) {
             xml.attribute("inkscape:label", format_args!("{name} {}", instance.id));
@@ -430,12 +437,12 @@ impl<'a> Document<'a> {
     }
 
     /// Writes elements, each in a group with its id.
-    fn write_individuals<W: Write>(&self, xml: &mut Xml<W>, instances: &[Instance]) -> io::Result<()> {
-        for instance in instances {
+    fn write_individuals<W: Write>(&self, xml: &mut Xml<W>, layer: &Layer) -> io::Result<()> {
+        for instance in &layer.instances {
             let before = xml.drawn();
             let mut original = ViewerLoad::default();
             for (k, shift) in self.textons.copies(instance).enumerate() {
-                self.write_individual(xml, instance, (k > 0).then_some((shift, original)))?;
+                self.write_individual(xml, (layer, instance), (k > 0).then_some((shift, original)))?;
                 if k == 0 {
                     original = xml.drawn().since(before);
                 }
@@ -448,7 +455,7 @@ impl<'a> Document<'a> {
     fn write_individual<W: Write>(
         &self,
         xml: &mut Xml<W>,
-        instance: &Instance,
+        (layer, instance): (&Layer, &Instance),
         copy: Option<(Vec2, ViewerLoad)>,
     ) -> io::Result<()> {
         match copy {
@@ -461,13 +468,13 @@ impl<'a> Document<'a> {
             Some((shift, _)) => {
                 xml.open("g");
                 xml.attribute("data-copy-of", format_args!("p{}", instance.id));
-                self.write_category(xml, instance);
+                self.write_category(xml, layer, instance);
                 self.textons.write_instance(xml, instance, shift, true)?;
             }
             None => {
                 xml.open("g");
                 xml.attribute("id", format_args!("p{}", instance.id));
-                self.write_category(xml, instance);
+                self.write_category(xml, layer, instance);
                 self.write_in_group(xml, instance, Vec2::ZERO, true)?;
             }
         }

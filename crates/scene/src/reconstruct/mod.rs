@@ -46,7 +46,7 @@ fn as_it_stands(library: &Library) -> Scene {
             next += 1;
         }
         let (name, region, field) = (layer.name.clone(), layer.region.clone(), layer.field.clone());
-        scene.layers.push(Layer { name, role: layer.role, region, field, instances });
+        scene.layers.push(Layer { name, region, field, instances, ..Layer::new(layer.role) });
     }
     let wrap = library.arrangement.periodic;
     scene.tile = Tile { x: wrap, y: wrap };

@@ -131,15 +131,24 @@ pub struct Layer {
     /// Colour field underneath the elements.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub field: Option<Field>,
+    /// Whether its elements were made beside a drawing that stands, to be accepted or taken away.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub predicted: bool,
     /// The elements, in painting order.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub instances: Vec<Instance>,
 }
 
 impl Layer {
+    /// Name of the layer of a drawing beside which a scene was made, and of the layer that was made.
+    pub const DRAWN: &'static str = "drawn";
+    /// See [`Layer::DRAWN`].
+    pub const PREDICTED: &'static str = "predicted";
+
     /// A layer named after its role, without region, field and elements.
     pub fn new(role: Role) -> Self {
-        Self { name: role.name().into(), role, region: None, field: None, instances: Vec::new() }
+        let name = role.name().into();
+        Self { name, role, region: None, field: None, predicted: false, instances: Vec::new() }
     }
 }
 

@@ -1,5 +1,7 @@
 //! Tests of the whole, and of the steps by hand cases.
 
+mod context;
+
 use crate::edges::{EdgeVote, chosen};
 use crate::exemplar::{CurveExemplar, CurveStroke};
 use crate::graph::CurveGraph;
@@ -269,12 +271,12 @@ fn edges_are_chosen_by_confidence_and_by_their_number() {
         sum + count.iter().zip(wanted).map(|(c, w): (&f64, f64)| (c - w).abs()).sum::<f64>()
     };
     let best = (0..16).min_by(|a, b| cost(*a).total_cmp(&cost(*b))).unwrap();
-    let mut found = chosen(&votes, &wanted);
+    let mut found = chosen(&votes, &wanted, vec![0.0; wanted.len()]);
     assert_eq!(found, [0, 2, 1]);
     found.sort_unstable();
     assert_eq!(found.iter().fold(0, |set, k| set | 1 << k), best);
     // Where no sample wants an edge, confidence alone does not make one.
-    assert!(chosen(&[vote(0, 1, 0.9)], &[0.0, 0.0]).is_empty());
+    assert!(chosen(&[vote(0, 1, 0.9)], &[0.0; 2], vec![0.0; 2]).is_empty());
 }
 
 #[test]
@@ -285,13 +287,13 @@ fn missing_samples_come_back_and_spare_ones_go() {
     let mut less = whole.clone();
     let keep: Vec<bool> = (0..less.len()).map(|s| s % 10 != 3).collect();
     less.retain(&keep);
-    let (less, _) = level_of(less, &input, &params([240.0, 160.0], true), &go_on).unwrap();
+    let (less, _) = level_of(less, &input, (&params([240.0, 160.0], true), None), &go_on).unwrap();
     let mut more = whole.clone();
     for _ in 0..whole.len() / 10 {
         let at = [random.range(0.0, 240.0), random.range(0.0, 160.0)];
         more.push(at, random.index(input.len()) as u32, &input);
     }
-    let (more, level) = level_of(more, &input, &params([240.0, 160.0], true), &go_on).unwrap();
+    let (more, level) = level_of(more, &input, (&params([240.0, 160.0], true), None), &go_on).unwrap();
     assert!(level.changed[1] >= whole.len() / 10 - 2, "{level:?}");
     for (name, made) in [("less", less), ("more", more)] {
         let off = made.len().abs_diff(whole.len());
@@ -308,9 +310,10 @@ fn energy_falls_from_noise_and_patches_begin_lower() {
     let canvas = page([450.0, 400.0], true);
     let without = CurveParts { no_patches: true, ..CurveParts::default() };
     let params = CurveParams { without, ..params(canvas.size, true) };
-    let (_, random) = level_of(noise(&input, canvas, 4), &input, &params, &go_on).unwrap();
-    let first = patches(&input, canvas, (1.0, 4), &go_on).unwrap();
-    let (_, patched) = level_of(first, &input, &params, &go_on).unwrap();
+    let (_, random) =
+        level_of(noise(&input, CurveOutput::new(canvas), 4, None), &input, (&params, None), &go_on).unwrap();
+    let first = patches(&input, CurveOutput::new(canvas), (1.0, 4), None, &go_on).unwrap();
+    let (_, patched) = level_of(first, &input, (&params, None), &go_on).unwrap();
     // Noise has no edges at first, which cost nothing: the second iteration is the first with all terms.
     let [first, last] = [random.energies[1], random.energies[random.energies.len() - 1]];
     assert!(last < 0.75 * first, "{random:?}");

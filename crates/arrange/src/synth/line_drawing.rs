@@ -1,0 +1,284 @@
+//! Drawings as strokes, each with its appearance.
+//!
+//! Stroked paths are taken as they are. Filled outlines that are long and thin, and strokes that the border of a page
+//! has cut, are painted into cells, whose centre lines are the strokes.
+
+use super::report::CategoryReport;
+use vtex_base::error::Result;
+use vtex_base::geometry::plane::PeriodicPlane;
+use vtex_base::geometry::{Affine, Curve, PathEl, Point};
+use vtex_base::raster::colour::Colour;
+use vtex_curves::{CurveExemplar, CurveResult, CurveStroke, Ink, TracedCurve, centre_lines};
+use vtex_scene::element::{Cap, CategoryId, ElementId, Join, Line, Shape};
+use vtex_scene::library::Library;
+use vtex_scene::scene::{Element, LibraryId, SynthParams, pixels};
+
+/// Least ratio of length to width of a filled outline that is a line.
+const THIN: f64 = 5.0;
+/// Cells across the thinnest painted line, and most cells of a page.
+const CELLS: f64 = 20.0;
+const MOST_CELLS: f64 = 6e6;
+/// Distance up to which ends meet, in widths of the thinnest line.
+const WELD: f64 = 0.25;
+/// Largest deviation of a stroked path from its points, in widths.
+const FLAT: f64 = 0.02;
+/// Difference in colour, in Oklab, that counts as much as a width e times as large.
+const COLOUR: f64 = 0.5;
+
+/// Whether a shape is a stroke or looks like one.
+pub(super) fn is_line(shape: &Shape) -> bool {
+    shape.line.is_some()
+        || !shape.is_soft() && proportion(shape).is_some_and(|(width, ratio)| width > 0.0 && ratio > THIN)
+}
+
+/// Width of a thin outline, and the ratio of its length to it.
+fn proportion(shape: &Shape) -> Option<(f64, f64)> {
+    let (area, compactness) = (shape.outline.area(), shape.outline.compactness());
+    let perimeter = libm::sqrt(4.0 * std::f64::consts::PI * area / compactness.max(1e-9));
+    // Of a rectangle: area = width · length, half the perimeter = width + length.
+    let half = 0.5 * perimeter;
+    let root = half * half - 4.0 * area;
+    (area > 0.0 && root >= 0.0).then(|| {
+        let width = 0.5 * (half - libm::sqrt(root));
+        (width, (half - width) / width.max(1e-9))
+    })
+}
+
+/// The appearance of a stroke.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct LineStyle {
+    /// A line without path.
+    line: Line,
+    colour: Colour,
+    opacity: f64,
+    pub(super) layer: usize,
+    /// The first element that has it, and its category.
+    element: usize,
+    category: Option<CategoryId>,
+    /// Whether its width is found by thinning.
+    is_painted: bool,
+}
+
+/// A drawing as strokes.
+pub(super) struct LineDrawing {
+    pub(super) exemplar: CurveExemplar,
+    pub(super) styles: Vec<LineStyle>,
+    /// Width of the thinnest line.
+    pub(super) thinnest: f64,
+}
+
+impl LineDrawing {
+    /// The lines of a library on a page. `by_look`: lines of one appearance have one style, whatever their layers and
+    /// categories.
+    ///
+    /// # Errors
+    /// Those of `go_on`.
+    pub(super) fn new(
+        library: &Library,
+        page: PeriodicPlane,
+        by_look: bool,
+        go_on: &dyn Fn() -> Result<()>,
+    ) -> Result<Self> {
+        let (mut styles, mut strokes): (Vec<LineStyle>, Vec<CurveStroke>) = (Vec::new(), Vec::new());
+        // The outlines of each style that are painted.
+        let mut painted: Vec<(u32, Vec<Shape>)> = Vec::new();
+        let mut thinnest = f64::INFINITY;
+        for (layer, own) in library.layers.iter().enumerate() {
+            for instance in &own.instances {
+                go_on()?;
+                let number = instance.element.index();
+                let Some(element) = library.primaries().get(number) else { continue };
+                for shape in element.shapes.iter().filter(|s| is_line(s)) {
+                    let shape = shape.moved(Affine::new(instance.transform));
+                    let line = match &shape.line {
+                        Some(line) => Line { path: Curve::default(), ..(**line).clone() },
+                        None => Line {
+                            cap: Cap::Round,
+                            join: Join::Round,
+                            ..Line::new(Curve::default(), proportion(&shape).map_or(1.0, |p| p.0))
+                        },
+                    };
+                    thinnest = thinnest.min(line.width);
+                    let fresh = LineStyle {
+                        line,
+                        colour: shape.colour,
+                        opacity: shape.opacity,
+                        layer,
+                        element: number,
+                        category: element.category,
+                        is_painted: shape.line.is_none(),
+                    };
+                    let known = styles.iter().position(|s| s.is_like(&fresh, by_look));
+                    let style = known.unwrap_or(styles.len());
+                    match &shape.line {
+                        Some(line) => strokes.extend(of_path(line, style as u32)),
+                        None => match painted.iter_mut().find(|p| p.0 == style as u32) {
+                            Some(shapes) => shapes.1.push(shape.clone()),
+                            None => painted.push((style as u32, vec![shape.clone()])),
+                        },
+                    }
+                    if known.is_none() {
+                        styles.push(fresh);
+                    }
+                }
+            }
+        }
+        for (style, shapes) in painted {
+            let (lines, width) = thinned(&shapes, page, thinnest, go_on)?;
+            styles[style as usize].line.width = width.max(1e-3);
+            let stroke = |(points, closed)| CurveStroke { points, closed, style };
+            strokes.extend(lines.into_iter().map(stroke));
+        }
+        let thinnest = styles.iter().map(|s| s.line.width).fold(f64::INFINITY, f64::min);
+        Ok(Self { exemplar: CurveExemplar { page, strokes, weld: WELD * thinnest }, styles, thinnest })
+    }
+
+    /// A curve as an element, its place and its layer.
+    pub(super) fn element(&self, curve: &TracedCurve) -> Option<(Element, Point, usize)> {
+        let style = &self.styles[curve.style as usize];
+        let first = curve.path.elements().first().and_then(PathEl::end_point)?;
+        let at = Point::new(libm::round(first.x), libm::round(first.y));
+        let path = Curve::new(Affine::translate(-at.to_vec2()) * curve.path.clone())?;
+        let shape = Shape::stroked(Line { path, ..style.line.clone() }, style.colour)?;
+        if shape.outline.is_empty() {
+            return None;
+        }
+        let element = Element {
+            library: LibraryId(0),
+            source: Some(ElementId::after(style.element)),
+            category: style.category,
+            fused: true,
+            silhouette: None,
+            shapes: vec![Shape { opacity: style.opacity, ..shape }],
+        };
+        Some((element, at, style.layer))
+    }
+
+    /// Share of the canvas that the lines of each category cover: their lengths times their widths, as against the
+    /// exemplar's.
+    pub(super) fn covered(
+        &self,
+        library: &Library,
+        found: &CurveResult,
+        params: &SynthParams,
+    ) -> Vec<CategoryReport> {
+        let areas = |lengths: &mut dyn Iterator<Item = (u32, f64)>| {
+            let mut sums = vec![0.0; library.categories.len()];
+            for (style, length) in lengths {
+                let style = &self.styles[style as usize];
+                if let Some(category) = style.category {
+                    sums[category.index()] += length * style.line.width;
+                }
+            }
+            sums
+        };
+        let canvas = f64::from(params.width) * f64::from(params.height);
+        let made = areas(&mut found.curves.iter().map(|c| (c.style, c.shown_length)));
+        CategoryReport::of(library, made.into_iter().map(|made| (made / canvas).min(1.0)))
+    }
+
+    /// The number of the style that looks most like another.
+    pub(super) fn style_like(&self, other: &LineStyle) -> usize {
+        let far: Vec<f64> = self.styles.iter().map(|own| own.distance(other)).collect();
+        (0..far.len()).min_by(|a, b| far[*a].total_cmp(&far[*b])).unwrap_or(0)
+    }
+}
+
+impl LineStyle {
+    /// How different two styles look, by colour and width.
+    fn distance(&self, other: &Self) -> f64 {
+        let [a, b] = [self, other].map(|s| s.colour.to_oklab());
+        let apart = (0..3).map(|k| f64::from(a[k] - b[k])).fold(0.0, |sum, d| sum + d * d);
+        libm::sqrt(apart) / COLOUR + libm::log(self.line.width / other.line.width).abs()
+    }
+
+    /// Whether lines of the two styles look the same and, unless only that counts, are of one layer and category. The
+    /// width of painted ones is found later.
+    fn is_like(&self, other: &Self, by_look: bool) -> bool {
+        let line =
+            |s: &Self| if s.is_painted { Line { width: 1.0, ..s.line.clone() } } else { s.line.clone() };
+        let place = |s: &Self| (s.layer, s.category);
+        self.is_painted == other.is_painted
+            && self.colour == other.colour
+            && (by_look || place(self) == place(other))
+            && self.opacity == other.opacity
+            && line(self) == line(other)
+    }
+}
+
+/// The pieces of a stroked path.
+fn of_path(line: &Line, style: u32) -> Vec<CurveStroke> {
+    let mut strokes: Vec<CurveStroke> = Vec::new();
+    kurbo::flatten(line.path.path().iter(), FLAT * line.width, |element| match element {
+        PathEl::MoveTo(p) => strokes.push(CurveStroke { points: vec![[p.x, p.y]], closed: false, style }),
+        PathEl::ClosePath => {
+            if let Some(stroke) = strokes.last_mut() {
+                stroke.closed = true;
+            }
+        }
+        element => {
+            if let (Some(stroke), Some(p)) = (strokes.last_mut(), element.end_point()) {
+                stroke.points.push([p.x, p.y]);
+            }
+        }
+    });
+    strokes.retain(|s| s.points.len() > 1);
+    strokes
+}
+
+/// Lines through their points, and whether they are closed.
+type ThinLines = Vec<(Vec<[f64; 2]>, bool)>;
+
+/// The centre lines of outlines, and their mean width.
+fn thinned(
+    shapes: &[Shape],
+    page: PeriodicPlane,
+    thinnest: f64,
+    go_on: &dyn Fn() -> Result<()>,
+) -> Result<(ThinLines, f64)> {
+    let most = libm::sqrt(MOST_CELLS / page.area());
+    let fine = (CELLS / thinnest.max(1e-6)).min(most);
+    // Whole cells on a page that repeats; a page that does not has a rim, over which lines lead.
+    let rim = page.wraps.map(|w| if w { 0 } else { 4 * CELLS as i32 });
+    let count = page.size.map(|s| libm::round(s * fine).max(3.0));
+    let by = [count[0] / page.size[0], count[1] / page.size[1]];
+    let size = [0, 1].map(|k| count[k] as usize + 2 * rim[k] as usize);
+    let mut ink = Ink { size, wraps: page.wraps, cells: vec![false; size[0] * size[1]] };
+    let scale = Affine::scale_non_uniform(by[0], by[1]);
+    for shape in shapes {
+        go_on()?;
+        for span in pixels::mask(&shape.outline.moved(scale)).spans() {
+            let place = |v: i32, k: usize| {
+                let v = v + rim[k];
+                if page.wraps[k] {
+                    Some(v.rem_euclid(size[k] as i32))
+                } else {
+                    (0..size[k] as i32).contains(&v).then_some(v)
+                }
+            };
+            let Some(row) = place(span.y, 1) else { continue };
+            for x in span.x0..span.x1 {
+                if let Some(column) = place(x, 0) {
+                    ink.cells[row as usize * size[0] + column as usize] = true;
+                }
+            }
+        }
+    }
+    extend(&mut ink, rim.map(|r| r as usize));
+    let (lines, width) = centre_lines(&ink, go_on)?;
+    let back = |p: [f64; 2]| [0, 1].map(|k| (p[k] - f64::from(rim[k])) / by[k]);
+    let lines = lines.into_iter().map(|(points, closed)| (points.into_iter().map(back).collect(), closed));
+    Ok((lines.collect(), width / libm::sqrt(by[0] * by[1])))
+}
+
+/// Leads what reaches the border of the page over its rim, so that thinning does not shorten it.
+fn extend(ink: &mut Ink, rim: [usize; 2]) {
+    let size = ink.size;
+    let inner = |v: usize, k: usize| if rim[k] == 0 { v } else { v.clamp(rim[k] + 1, size[k] - rim[k] - 2) };
+    for y in 0..size[1] {
+        for x in 0..size[0] {
+            let from = inner(y, 1) * size[0] + inner(x, 0);
+            ink.cells[y * size[0] + x] = ink.cells[from];
+        }
+    }
+}
