@@ -158,7 +158,8 @@ pub mod library {
 /// Measures of the similarity of two pictures of textures; none of them needs a network.
 pub mod metrics {
     #[doc(inline)]
-    pub use vtex_report::metrics::{Metrics, SCALE, Spread, compare, reduced, scaled};
+    pub use vtex_report::metrics::{Contours, Metrics, SCALE, Spread, compare, reduced, scaled};
+    pub use vtex_report::metrics::{ENLARGED, can_compare_contours, contours};
 }
 
 /// Scene → files: SVG, SVGZ, PDF, PNG; and SVG → pixels.

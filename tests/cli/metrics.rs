@@ -30,6 +30,16 @@ fn whatever_can_be_drawn_is_compared() {
     // The reconstruction is nearer to the photograph than a texture.
     let library = compare("photo.lib.json");
     assert!(library["ssim"].as_f64() > scene["ssim"].as_f64());
+    // What is drawn can be enlarged, a picture cannot.
+    for found in [&scene, &svg, &library] {
+        let contours = &found["contours"];
+        assert!(contours["share"].as_f64() > Some(0.01), "{contours}");
+        assert!(contours["spurious"].as_f64() <= contours["share"].as_f64(), "{contours}");
+    }
+    assert!(library["contours"]["spurious"].as_f64() < scene["contours"]["spurious"].as_f64());
+    assert!(png["contours"].is_null());
+    let text = folder.run("metrics photo.png a.svg").succeeds().text().to_owned();
+    assert!(text.contains("contours, enlarged") && text.contains("spurious"), "{text}");
     // At twice the size the measures are the same with `--scale 2`.
     folder.run("render a.scene.json -o twice.png --scale 2").succeeds();
     let twice = folder.run("metrics photo.png twice.png --scale 2 --json").succeeds().json();

@@ -15,7 +15,7 @@ Examples
 from vtex import _errors
 from vtex._analysis import analyze
 from vtex._category import Category
-from vtex._comparing import Metrics, Spread, metrics
+from vtex._comparing import Contours, Metrics, Spread, metrics
 from vtex._composing import interpolate, stylize, transfer, warp
 from vtex._errors import (
     EngineError,
@@ -63,6 +63,7 @@ from vtex.edits import (
 
 __all__ = [
     "Category",
+    "Contours",
     "Delete",
     "Density",
     "Edit",

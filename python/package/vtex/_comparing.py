@@ -23,6 +23,19 @@ class Spread(TypedDict):
     ratio: float | None
 
 
+class Contours(TypedDict):
+    """Contours of a drawn result, four times enlarged, beside those of its exemplar."""
+
+    #: Share of the picture that is part of a contour, 0 to 1.
+    share: float
+    #: Share of the picture that is part of a contour where the exemplar has none, 0 to 1.
+    spurious: float
+    #: Mean width of the exemplar's borders, from 10 % to 90 % of the change across them, in pixels.
+    width_exemplar: float
+    #: The same of the result.
+    width_result: float
+
+
 class Metrics(TypedDict):
     """Measures of how far a result is from its exemplar.
 
@@ -71,6 +84,8 @@ class Metrics(TypedDict):
     ssim: float
     #: The same over five scales; None below 176 pixels.
     ms_ssim: float | None
+    #: Contours of an SVG, a scene or a library of the exemplar's size; None of pictures and other sizes.
+    contours: Contours | None
 
 
 def metrics(

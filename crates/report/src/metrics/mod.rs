@@ -4,6 +4,8 @@
 //! repetition), and two photographs of the same texture are never at distance 0. Reference values are in
 //! `docs/measurements/metrics.md`.
 //!
+//! [`contours`] alone looks at a result drawn larger than its exemplar.
+//!
 //! Definitions agree with those of the usual Python packages (numpy, scipy, scikit-image, POT, PyIQA); tests
 //! hold values of these. The last digits of spectra depend on the processor, so they are reported and
 //! nothing is made from them.
@@ -12,6 +14,7 @@
 //! the values are dominated by chance.
 
 mod colour;
+mod contours;
 mod filter_bank;
 mod local_patterns;
 mod patches;
@@ -24,6 +27,7 @@ mod structure;
 mod tests;
 mod transport;
 
+pub use contours::{Contours, ENLARGED, can_compare_contours, contours};
 use image::RgbImage;
 use plane::Channel;
 use serde::Serialize;
@@ -90,6 +94,9 @@ pub struct Metrics {
     pub ssim: f64,
     /// Multi-scale structural similarity (MS-SSIM, five scales), 0 to 1. `None` if a side is below 176 px.
     pub ms_ssim: Option<f64>,
+    /// Contours of the enlarged result. `None` from [`compare`], which sees the result at one size only; what can be
+    /// drawn at another size has those of [`contours`].
+    pub contours: Option<Contours>,
 }
 
 /// Compares a result with its exemplar. Both must show the texture at the same scale; their sizes
@@ -161,6 +168,7 @@ pub fn compare(exemplar: &RgbImage, result: &RgbImage, progress: &dyn Progress) 
         acf_peak_result,
         ssim,
         ms_ssim,
+        contours: None,
     })
 }
 

@@ -38,8 +38,14 @@ pub(super) fn run(
     scale: f64,
 ) -> anyhow::Result<()> {
     reporter.stage("drawing")?;
-    let pictures = [draw(first, &exemplar, reporter)?, draw(second, &result, reporter)?];
-    let [picture, other] = pictures;
+    let (picture, other) = (draw(first, 1.0, &exemplar, reporter)?, draw(second, 1.0, &result, reporter)?);
+    let is_drawn = !matches!(second, FileContent::Image(_)) && scale == 1.0;
+    let contours = if is_drawn && metrics::can_compare_contours(&picture, other.dimensions().into()) {
+        let enlarged = draw(second, metrics::ENLARGED.into(), &result, reporter)?;
+        Some(metrics::contours(&picture, &enlarged, reporter)?)
+    } else {
+        None
+    };
     let other = metrics::scaled(other, scale)?;
     let pictures = match metrics::reduced(&picture, &other) {
         Some(reduced) => {
@@ -52,7 +58,7 @@ pub(super) fn run(
         }
         None => [picture, other],
     };
-    let metrics = metrics::compare(&pictures[0], &pictures[1], reporter)?;
+    let metrics = Metrics { contours, ..metrics::compare(&pictures[0], &pictures[1], reporter)? };
     let (seconds, warnings) = reporter.finish();
     let seconds = seconds.iter().map(|s| s.1.as_secs_f64()).sum::<f64>();
     let seconds = (seconds * 1e3).round() / 1e3;
@@ -70,17 +76,18 @@ pub(super) fn run(
     print_found(common, &found, || found.show())
 }
 
-/// A picture of a file's content, over white, with one pixel per pixel of the canvas.
-fn draw(content: &FileContent, name: &str, reporter: &Reporter) -> anyhow::Result<RgbImage> {
+/// A picture of a file's content, over white. What is drawn has `scale` pixels per pixel of the canvas along each
+/// axis; a picture has its own.
+fn draw(content: &FileContent, scale: f64, name: &str, reporter: &Reporter) -> anyhow::Result<RgbImage> {
     let pixmap = match content {
         FileContent::Image(bytes) => {
             let decoded = Exemplar::from_bytes(bytes, name, &Limits::default())?;
             decoded.warnings.iter().for_each(|w| reporter.warn(&w.replace("the photograph", name)));
             return Ok(decoded.image);
         }
-        FileContent::Svg(bytes) => raster_svg::render_svg(bytes, 1.0, name, reporter)?,
-        FileContent::Scene(scene) => png::render(scene, 1.0)?,
-        FileContent::Library(library) => png::render(&vtex::synth::reconstruct(library), 1.0)?,
+        FileContent::Svg(bytes) => raster_svg::render_svg(bytes, scale, name, reporter)?,
+        FileContent::Scene(scene) => png::render(scene, scale)?,
+        FileContent::Library(library) => png::render(&vtex::synth::reconstruct(library), scale)?,
     };
     Ok(png::over_white(&pixmap))
 }
@@ -146,6 +153,17 @@ impl PictureReport {
             pair("acf_peak", m.acf_peak_exemplar, m.acf_peak_result, "repetition, at most 1".into()),
         ]);
         text += &table(&rows);
+        if let Some(c) = &m.contours {
+            text.push('\n');
+            let row = |name: &str, a: String, b: String, meaning: &str| vec![name.into(), a, b, meaning.into()];
+            let share = |v: f64| digits(1000.0 * v);
+            text += &table(&[
+                ["contours, enlarged", "exemplar", "result", ""].map(str::to_owned).to_vec(),
+                row("contours", String::new(), share(c.share), "parts of 1000 of the picture"),
+                row("spurious", String::new(), share(c.spurious), "those of them that the exemplar lacks"),
+                row("width", digits(c.width_exemplar), digits(c.width_result), "px from 10 to 90 % of a border"),
+            ]);
+        }
         text
     }
 }
