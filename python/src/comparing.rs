@@ -86,7 +86,9 @@ pub(crate) fn compare(
         let (exemplar, _) = exemplar.picture(&first, progress)?;
         let (result, drawing) = result.picture(&second, progress)?;
         let contours = match drawing {
-            Some(drawing) if scale == 1.0 && metrics::can_compare_contours(&exemplar, result.dimensions().into()) => {
+            Some(drawing)
+                if scale == 1.0 && metrics::can_compare_contours(&exemplar, result.dimensions().into()) =>
+            {
                 let enlarged = drawing.drawn(metrics::ENLARGED.into(), &second, progress)?;
                 Some(metrics::contours(&exemplar, &enlarged, progress)?)
             }

@@ -155,13 +155,19 @@ impl PictureReport {
         text += &table(&rows);
         if let Some(c) = &m.contours {
             text.push('\n');
-            let row = |name: &str, a: String, b: String, meaning: &str| vec![name.into(), a, b, meaning.into()];
+            let row =
+                |name: &str, a: String, b: String, meaning: &str| vec![name.into(), a, b, meaning.into()];
             let share = |v: f64| digits(1000.0 * v);
             text += &table(&[
                 ["contours, enlarged", "exemplar", "result", ""].map(str::to_owned).to_vec(),
                 row("contours", String::new(), share(c.share), "parts of 1000 of the picture"),
                 row("spurious", String::new(), share(c.spurious), "those of them that the exemplar lacks"),
-                row("width", digits(c.width_exemplar), digits(c.width_result), "px from 10 to 90 % of a border"),
+                row(
+                    "width",
+                    digits(c.width_exemplar),
+                    digits(c.width_result),
+                    "px from 10 to 90 % of a border",
+                ),
             ]);
         }
         text
