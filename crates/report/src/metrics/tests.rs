@@ -176,7 +176,8 @@ fn flat_pictures_give_numbers_too() {
     let flat = RgbImage::from_pixel(60, 60, image::Rgb([90, 90, 90]));
     let found = compare(&flat, &part(("leaves", [0, 0, 60, 60])), &()).unwrap();
     for (name, value) in serde_json::to_value(found).unwrap().as_object().unwrap() {
-        assert!(!value.is_null() || name == "ms_ssim", "{name}");
+        // Pictures have no contours to enlarge, and these are too small for `ms_ssim`.
+        assert!(!value.is_null() || ["ms_ssim", "contours"].contains(&name.as_str()), "{name}");
     }
 }
 
