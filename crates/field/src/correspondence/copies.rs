@@ -90,26 +90,31 @@ impl BlockCopies {
         let (block, own) = self.place(source, cell);
         let list = self.starts[block as usize] as usize..self.starts[block as usize + 1] as usize;
         let places = &self.places[list];
-        let reach = self.reach as i32;
-        let mut nearest = i32::MAX;
-        let mut look = |from: i32, to: i32| {
-            let first = places.partition_point(|p| p[0] < from);
-            for place in places[first..].iter().take_while(|p| p[0] <= to && **p < own) {
-                let [dy, dx] = [0, 1].map(|k| {
-                    let (d, axis) = ((place[k] - own[k]).abs(), 1 - k);
-                    if self.wrap[axis] { d.min(self.size[axis] - d) } else { d }
-                });
-                if dx.max(dy) > self.same {
-                    nearest = nearest.min(dx * dx + dy * dy);
-                }
+        let earlier = &places[..places.partition_point(|p| *p < own)];
+        let rows_above = earlier.iter().rev().map(|place| (place, own[0] - place[0]));
+        let across = if self.wrap[1] { earlier } else { &[] };
+        let rows_across = across.iter().map(|place| (place, place[0] + self.size[1] - own[0]));
+        // Squared. Rows come nearest first, so no place further on is nearer.
+        let mut nearest = libm::ceilf(self.reach * self.reach) as i32;
+        let mut look = |place: &[i32; 2], rows: i32| {
+            let [dy, dx] = [0, 1].map(|k| {
+                let (d, axis) = ((place[k] - own[k]).abs(), 1 - k);
+                if self.wrap[axis] { d.min(self.size[axis] - d) } else { d }
+            });
+            if dx.max(dy) > self.same {
+                nearest = nearest.min(dx * dx + dy * dy);
             }
+            rows * rows < nearest
         };
-        look(own[0] - reach, own[0]);
-        if self.wrap[1] {
-            look(0, (own[0] + reach - self.size[1]).min(own[0] - reach - 1));
+        for (place, rows) in rows_above {
+            if !look(place, rows) {
+                break;
+            }
         }
-        if nearest == i32::MAX {
-            return 0.0;
+        for (place, rows) in rows_across {
+            if !look(place, rows) {
+                break;
+            }
         }
         (1.0 - libm::sqrtf(nearest as f32) / self.reach).max(0.0)
     }
