@@ -132,17 +132,11 @@ pub fn curves(
     let shown = ShownPart { size: params.size, tile: params.tile, margin: BEYOND * scales.coarsest().radius };
     let wanted = scales.density * plane.area();
     let task = CurveTask { input: &input, coarsest: scales.coarsest(), plane, params, given: None };
-    // Where the optimisation loses the curves, patches alone are taken.
-    let attempts = if used.is_empty() { vec![used] } else { vec![used, Vec::new()] };
-    for levels in attempts {
-        let (output, samples, mut result) = task.attempt(&levels, go_on)?;
-        let graph = output.graph(&samples, false);
-        result.measures = [CurveMeasures::of(&samples.graph), CurveMeasures::of(&graph)];
-        let share = result.measures[1].length / wanted;
-        if (LEAST_LENGTH..=1.0 / LEAST_LENGTH).contains(&share) || params.without.no_patches {
-            result.curves = traced(&graph, shown, params.tolerance);
-            return Ok(result);
-        }
+    let MadeCurves { samples, graph, mut result, has_length, .. } = task.made(used, wanted, go_on)?;
+    if has_length {
+        result.measures = [&samples.graph, &graph].map(CurveMeasures::of);
+        result.curves = traced(&graph, shown, params.tolerance);
+        return Ok(result);
     }
     Err(Error::Parameter {
         name: "method",
@@ -174,37 +168,21 @@ pub fn curves_beside(
     let used = scales.levels(lines.plane.area())?;
     let wanted = scales.density * lines.free_area(scales.spacing);
     let task = CurveTask { input: &input, coarsest, plane: lines.plane, params, given: Some(&lines) };
-    let attempts = if used.is_empty() { vec![used] } else { vec![used, Vec::new()] };
-    let last = attempts.len() - 1;
-    let mut made = CurveResult::default();
-    for (number, levels) in attempts.into_iter().enumerate() {
-        let (output, samples, mut result) = task.attempt(&levels, go_on)?;
-        let graph = output.graph(&samples, true);
-        let share = graph.length() / wanted.max(1e-9);
-        if number < last
-            && !(LEAST_LENGTH..=1.0 / LEAST_LENGTH).contains(&share)
-            && !params.without.no_patches
-        {
-            continue;
-        }
-        let whole = CurveMeasures::of_part(&output.graph(&samples, false), |p| lines.is_shown(p, 0.0));
-        result.measures = [CurveMeasures::of(&samples.graph), whole];
-        let leads = (0..output.given()).filter(|s| output.ahead[*s].is_some());
-        let is_continued = |s: &usize| output.made_edges().iter().any(|e| e.ends.contains(&(*s as u32)));
-        let ends: Vec<usize> = leads.collect();
-        result.continued = [ends.len(), ends.iter().filter(|s| is_continued(s)).count()];
-        let margin = BEYOND * coarsest.radius;
-        result.curves = traced_beside(&graph, (&lines, &output.ahead), (margin, params.tolerance));
-        made = result;
-        break;
-    }
+    let MadeCurves { output, samples, graph, mut result, .. } = task.made(used, wanted, go_on)?;
+    let in_region = CurveMeasures::of_part(&output.graph(&samples, false), |p| lines.is_shown(p, 0.0));
+    result.measures = [CurveMeasures::of(&samples.graph), in_region];
+    let is_continued = |s: &usize| output.made_edges().iter().any(|e| e.ends.contains(&(*s as u32)));
+    let ends: Vec<usize> = (0..output.given()).filter(|s| output.ahead[*s].is_some()).collect();
+    result.continued = [ends.len(), ends.iter().filter(|s| is_continued(s)).count()];
+    let margin = BEYOND * coarsest.radius;
+    result.curves = traced_beside(&graph, (&lines, &output.ahead), (margin, params.tolerance));
     // Levels are reported on the canvas.
-    for level in &mut made.levels {
+    for level in &mut result.levels {
         let moved = |p: &mut [f64; 2]| *p = [p[0] + lines.low[0], p[1] + lines.low[1]];
         level.output.iter_mut().for_each(|o| moved(&mut o.0));
         level.edges.iter_mut().for_each(|e| moved(&mut e[0]));
     }
-    Ok(made)
+    Ok(result)
 }
 
 /// The lengths of all levels.
@@ -259,14 +237,41 @@ struct CurveTask<'a> {
     given: Option<&'a GivenLines>,
 }
 
+/// What an attempt has made.
+struct MadeCurves {
+    output: CurveOutput,
+    /// The samples of the exemplar on the last level.
+    samples: CurveInput,
+    /// The curves; beside given lines, the new ones alone.
+    graph: CurveGraph,
+    /// Without curves and measures.
+    result: CurveResult,
+    /// Whether the curves are about as long as those of the exemplar, or this is not asked for.
+    has_length: bool,
+}
+
 impl CurveTask<'_> {
-    /// Samples and edges that are optimised on the given levels, or patches of the coarsest scale if there are none; and
-    /// the samples of the exemplar on the last level. The result has no curves and measures yet.
+    /// Curves optimised on levels; patches alone where the optimisation loses them. They should be `wanted` long.
+    fn made(
+        &self,
+        levels: Vec<CurveScale>,
+        wanted: f64,
+        go_on: &dyn Fn() -> Result<()>,
+    ) -> Result<MadeCurves> {
+        let made = self.attempt(&levels, wanted, go_on)?;
+        if made.has_length || levels.is_empty() {
+            return Ok(made);
+        }
+        self.attempt(&[], wanted, go_on)
+    }
+
+    /// Samples and edges that are optimised on the given levels, or patches of the coarsest scale if there are none.
     fn attempt(
         &self,
         levels: &[CurveScale],
+        wanted: f64,
         go_on: &dyn Fn() -> Result<()>,
-    ) -> Result<(CurveOutput, CurveInput, CurveResult)> {
+    ) -> Result<MadeCurves> {
         let &Self { input, params, given, .. } = self;
         let mut result = CurveResult::default();
         let mut settled = |output: CurveOutput, input: &CurveInput| {
@@ -307,7 +312,10 @@ impl CurveTask<'_> {
         if params.without.no_orientation {
             output.edges.iter_mut().for_each(|edge| edge.from = [None; 2]);
         }
-        Ok((output, last, result))
+        let graph = output.graph(&last, given.is_some());
+        let lengths = LEAST_LENGTH..=1.0 / LEAST_LENGTH;
+        let has_length = params.without.no_patches || lengths.contains(&(graph.length() / wanted.max(1e-9)));
+        Ok(MadeCurves { output, samples: last, graph, result, has_length })
     }
 }
 

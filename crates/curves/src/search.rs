@@ -103,6 +103,13 @@ impl CompareNeighbourhoods for CurveComparison<'_> {
     }
 }
 
+/// The samples around each sample.
+fn neighbourhoods(output: &CurveOutput, input: &CurveInput) -> Vicinity {
+    let radius = input.scale.radius;
+    let index = PointIndex::new(output.plane, radius, &output.points);
+    Vicinity::new(&index, &output.points, radius, (MOST_NEAR_OUTPUT, true))
+}
+
 /// Searches all samples. `go_on` is asked in between.
 ///
 /// # Errors
@@ -112,9 +119,7 @@ pub(crate) fn search(
     input: &CurveInput,
     go_on: &dyn Fn() -> Result<()>,
 ) -> Result<NeighbourhoodMatches> {
-    let radius = input.scale.radius;
-    let index = PointIndex::new(output.plane, radius, &output.points);
-    let near = Vicinity::new(&index, &output.points, radius, (MOST_NEAR_OUTPUT, true));
+    let near = neighbourhoods(output, input);
     let ways = output.ways();
     go_on()?;
     let compare = || {
@@ -136,9 +141,7 @@ pub(crate) fn choose_sources(
     candidates: &[Vec<u32>],
     go_on: &dyn Fn() -> Result<()>,
 ) -> Result<()> {
-    let radius = input.scale.radius;
-    let index = PointIndex::new(output.plane, radius, &output.points);
-    let near = Vicinity::new(&index, &output.points, radius, (MOST_NEAR_OUTPUT, true));
+    let near = neighbourhoods(output, input);
     let ways = output.ways();
     let samples: Vec<usize> = (0..output.len()).collect();
     let mut chosen = Vec::with_capacity(samples.len());
