@@ -23,6 +23,10 @@ struct SteeringFiles {
     guide: Option<Named>,
     /// The region beside a drawing that stays.
     region: Option<Named>,
+    /// Whether it is made anew.
+    anew: bool,
+    /// The part of the library's drawing that is copied to it.
+    source: Option<Named>,
 }
 
 impl SteeringFiles {
@@ -52,11 +56,23 @@ impl SteeringFiles {
 
     /// The region, beside a drawing.
     ///
-    /// # Errors Those of a region that does not suit.
-    fn beside(&self, drawing: library::Library, canvas: [u32; 2]) -> Result<Option<DrawnContext>> {
-        let region =
-            self.region.as_ref().map(|(name, bytes)| control::shape(bytes, name, canvas)).transpose()?;
-        Ok(region.map(|region| DrawnContext { drawing, region }))
+    /// # Errors Those of a region, or of a part to be copied, that does not suit.
+    fn beside(
+        &self,
+        drawing: library::Library,
+        canvas: [u32; 2],
+        libraries: &[library::Library],
+    ) -> Result<Option<DrawnContext>> {
+        let Some((name, bytes)) = &self.region else { return Ok(None) };
+        let region = control::shape(bytes, name, canvas)?;
+        let source = match (&self.source, libraries) {
+            (Some((name, bytes)), [library, ..]) => {
+                Some(control::shape(bytes, name, [library.source.width, library.source.height])?)
+            }
+            _ => None,
+        };
+        let context = DrawnContext { drawing, region, source };
+        Ok(Some(if self.anew { context.cleared() } else { context }))
     }
 }
 
@@ -75,11 +91,13 @@ pub(crate) fn synthesize(
     guide: Option<Named>,
     context: Option<Named>,
     region: Option<Named>,
+    anew: bool,
+    source: Option<Named>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Scene> {
     let mut params: SynthParams = from_json(py, parameters, "synthesize")?;
     let libraries: Vec<_> = libraries.iter().map(|library| library.inner.clone()).collect();
-    let steering = SteeringFiles { domain, density, maps, control, guide, region };
+    let steering = SteeringFiles { domain, density, maps, control, guide, region, anew, source };
     let made = run(py, progress, move |progress| {
         // A single library, the usual case, is not copied.
         let libraries: Cow<'_, [library::Library]> = match &libraries[..] {
@@ -97,7 +115,7 @@ pub(crate) fn synthesize(
         let canvas = [params.width, params.height];
         let mut controls = steering.controls(canvas, &libraries)?;
         if let Some(drawing) = drawing {
-            controls.context = steering.beside(drawing, canvas)?;
+            controls.context = steering.beside(drawing, canvas, &libraries)?;
         }
         synthesize_with(&libraries, &params, &controls, progress)
     });

@@ -4,7 +4,7 @@
 use super::support::Folder;
 use roxmltree::{Document, Node};
 use std::collections::BTreeSet;
-use vtex::geometry::{BezPath, PathEl, Point, parse_path};
+use vtex::geometry::{BezPath, PathEl, Point, Vec2, parse_path};
 use vtex::import::as_drawn;
 use vtex::output::svg;
 use vtex::synth::reconstruct;
@@ -124,12 +124,9 @@ fn lines_go_on_and_the_drawing_stays() {
         std::fs::read_to_string(format!("{}/examples/drawings/{name}.svg", env!("CARGO_MANIFEST_DIR")))
             .unwrap()
     };
-    for (name, drawing) in [
-        ("coloured", COLOURED.into()),
-        ("waves", example("waves")),
-        ("cells", example("cells")),
-        ("bricks", example("bricks")),
-    ] {
+    for (name, drawing) in
+        [("coloured", COLOURED.into()), ("cells", example("cells")), ("bricks", example("bricks"))]
+    {
         let folder = Folder::new();
         let Halved { ends } = Halved::new(&folder, &drawing);
         let run = folder
@@ -167,8 +164,7 @@ fn lines_go_on_and_the_drawing_stays() {
 #[test]
 fn other_seeds_change_only_what_is_made_and_threads_nothing() {
     let folder = Folder::new();
-    let waves = format!("{}/examples/drawings/waves.svg", env!("CARGO_MANIFEST_DIR"));
-    Halved::new(&folder, &std::fs::read_to_string(waves).unwrap());
+    Halved::new(&folder, COLOURED);
     let make = |name: &str, options: &str| {
         let arguments =
             format!("synth whole.lib.json --context half.svg --region region.svg -o {name} {options}");
@@ -184,6 +180,66 @@ fn other_seeds_change_only_what_is_made_and_threads_nothing() {
     };
     assert_eq!(part(&one, "layer-drawn"), part(&other, "layer-drawn"));
     assert_ne!(part(&one, "layer-predicted"), part(&other, "layer-predicted"));
+}
+
+/// The least and greatest x of the paths in a layer.
+fn reach(text: &str, layer: &str) -> [f64; 2] {
+    let document = Document::parse(text).unwrap();
+    let xs = paths(group(&document, layer)).into_iter().flat_map(|p| {
+        let path = parse_path(&p[0]).unwrap();
+        path.elements().iter().filter_map(PathEl::end_point).map(|p| p.x).collect::<Vec<f64>>()
+    });
+    xs.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
+}
+
+#[test]
+fn a_region_is_made_anew_between_the_lines_around_it() {
+    let folder = Folder::new();
+    let Halved { ends } = Halved::new(&folder, COLOURED);
+    let arguments = "synth whole.lib.json --context whole.svg --region region.svg --anew -o out.svg";
+    let run = folder.run(&format!("{arguments} --expand --json")).succeeds();
+    let [leading, continued] = [0, 1].map(|k| run.json()["curves"]["continued"][k].as_u64().unwrap());
+    assert!(leading as usize >= ends.len() && continued as f64 >= 0.9 * leading as f64);
+    let text = String::from_utf8(folder.read("out.svg")).unwrap();
+    let border = ends[0].x;
+    // Numbers have one decimal.
+    assert!((reach(&text, "layer-drawn")[1] - border).abs() < 0.06);
+    let [first, last] = reach(&text, "layer-predicted");
+    assert!((first - border).abs() < 0.06 && last >= 480.0, "{first} to {last}");
+}
+
+#[test]
+fn a_part_of_the_library_is_copied_to_the_region() {
+    let folder = Folder::new();
+    Halved::new(&folder, COLOURED);
+    // The waves repeat at half the width, so the left half goes on in the right one.
+    folder.write("here.svg", svg_of([480, 320], r#"<path d="M.37 0H240V320H.37z"/>"#));
+    let arguments = "synth whole.lib.json --context half.svg --region region.svg -o out.svg --expand --force";
+    folder.run(&format!("{arguments} --source here.svg")).succeeds();
+    let library = as_drawn(COLOURED.as_bytes(), "whole.svg", &()).unwrap();
+    let mut exemplar: Vec<(String, Point)> = Vec::new();
+    for shape in library.primaries().iter().flat_map(|e| &e.shapes) {
+        let path = shape.line.as_ref().unwrap().path.path();
+        flatten(path, |element| exemplar.push((shape.colour.to_string(), element.end_point().unwrap())));
+    }
+    let text = String::from_utf8(folder.read("out.svg")).unwrap();
+    let document = Document::parse(&text).unwrap();
+    let (mut points, mut far) = (0, 0.0f64);
+    for [d, colour, _] in paths(group(&document, "layer-predicted")) {
+        flatten(&parse_path(&d).unwrap(), |element| {
+            let there = element.end_point().unwrap() - Vec2::new(240.0, 0.0);
+            if !(0.0..240.0).contains(&there.x) || !(0.0..320.0).contains(&there.y) {
+                return;
+            }
+            let alike = exemplar.iter().filter(|e| e.0 == colour).map(|e| e.1.distance(there));
+            (points, far) = (points + 1, far.max(alike.fold(f64::INFINITY, f64::min)));
+        });
+    }
+    assert!(points > 100 && far < 3.0, "{far} of {points}");
+    folder.write("beyond.svg", svg_of([480, 320], r#"<path d="M500 0h40v40h-40z"/>"#));
+    folder.run(&format!("{arguments} --source beyond.svg")).fails(1, "outside the canvas");
+    folder.run("synth whole.lib.json --anew -o x.svg").fails(2, "--context");
+    folder.run("synth whole.lib.json --source here.svg -o x.svg").fails(2, "--context");
 }
 
 #[test]

@@ -36,6 +36,9 @@ pub struct CurveContext {
     pub lines: CurveGraph,
     /// The region, on the canvas.
     pub region: Outline,
+    /// A part of the exemplar of which a copy is laid in the region first, the middle of its bounds on that of the
+    /// region's. `None`: the region is filled by chance.
+    pub source: Option<Outline>,
 }
 
 /// A context on the window that is synthesised.
@@ -50,6 +53,8 @@ pub(crate) struct GivenLines {
     along: PointIndex,
     beside: f64,
     finest: f64,
+    /// The way from the window to the part of the exemplar that is copied.
+    pub(crate) copied: Option<[f64; 2]>,
 }
 
 impl GivenLines {
@@ -69,6 +74,8 @@ impl GivenLines {
         });
         let plane = PeriodicPlane { size: [high[0] - low[0], high[1] - low[1]], wraps: [false; 2] };
         let lines = context.lines.placed(plane, [-low[0], -low[1]]);
+        let middle = |of: &Outline| of.bounds().center().to_vec2();
+        let copied = context.source.as_ref().map(|source| middle(source) - middle(&context.region));
         let dense = lines.sampled(DENSE * finest);
         let along: Vec<[f64; 2]> = dense.points.iter().copied().filter(|p| is_on(plane, *p)).collect();
         Self {
@@ -80,6 +87,7 @@ impl GivenLines {
             along: PointIndex::new(plane, coarsest.radius, &along),
             beside: BESIDE * coarsest.radius,
             finest,
+            copied: copied.map(|way| [way.x + low[0], way.y + low[1]]),
         }
     }
 

@@ -114,12 +114,14 @@ pub(crate) fn patches(
             }
         }
         let rim = rim(&output, &patches, (p, &beside), input);
+        let copied = given.and_then(|lines| lines.copied).filter(|way| fits(page, &patches[p], *way));
         let mut going_on: Vec<[f64; 2]> = beside.iter().filter_map(|b| patches[*b].offset).collect();
         going_on.extend(common_offsets(input, &output, &patches[p]));
         let mut random = stream(seed, "curves/patches", p as u64);
         let known = given.map(|lines| KnownPlaces { lines, patches: &patches, count, size });
         let around = PatchSurroundings { patch: &patches[p], rim: &rim, plane, known };
-        let offset = choose(&mut alike, &around, &going_on, (variation, &mut random));
+        let chosen = || choose(&mut alike, &around, &going_on, (variation, &mut random));
+        let offset = copied.unwrap_or_else(chosen);
         let patch = &mut patches[p];
         patch.offset = Some(offset);
         for (at, source) in within(input, patch, offset, 0.0) {
@@ -173,30 +175,25 @@ fn common_offsets(input: &CurveInput, output: &CurveOutput, patch: &Patch) -> Ve
     }
     found.sort_by_key(|f| std::cmp::Reverse(f.1.len()));
     found.truncate(COMMON);
-    // Samples stand anywhere along their curves, so only the way across the curves counts.
+    // Samples stand anywhere along their curves, so only the way across the curves counts: the mean way solves normal
+    // equations of a symmetric matrix.
     let exact = |(about, samples): ([f64; 2], Vec<usize>)| {
-        let [mut a, mut b, mut c, mut right] = [[1e-3, 0.0], [0.0, 1e-3], [0.0; 2], [0.0; 2]];
+        let (mut xx, mut xy, mut yy, mut right) = (1e-3, 0.0, 1e-3, [0.0; 2]);
         for s in samples {
-            let way = page.between(about, offset(s));
-            let leaving = &input.graph.leaving[output.source[s] as usize];
-            let along = match leaving[..] {
+            let [x, y] = page.between(about, offset(s));
+            let along = match input.graph.leaving[output.source[s] as usize][..] {
                 [first, _] => input.graph.tangent(first),
                 _ => [0.0; 2],
             };
-            let across = [
-                [1.0 - along[0] * along[0], -along[0] * along[1]],
-                [-along[0] * along[1], 1.0 - along[1] * along[1]],
-            ];
-            for k in 0..2 {
-                a[k] += across[0][k];
-                b[k] += across[1][k];
-                right[k] += across[k][0] * way[0] + across[k][1] * way[1];
-            }
+            // The projection across the curve.
+            let across = [1.0 - along[0] * along[0], -along[0] * along[1], 1.0 - along[1] * along[1]];
+            (xx, xy, yy) = (xx + across[0], xy + across[1], yy + across[2]);
+            right[0] += across[0] * x + across[1] * y;
+            right[1] += across[1] * x + across[2] * y;
         }
-        let size = a[0] * b[1] - a[1] * b[0];
-        c[0] = (right[0] * b[1] - right[1] * a[1]) / size;
-        c[1] = (right[1] * a[0] - right[0] * b[0]) / size;
-        [about[0] + c[0], about[1] + c[1]]
+        let size = xx * yy - xy * xy;
+        let more = [right[0] * yy - right[1] * xy, right[1] * xx - right[0] * xy].map(|v| v / size);
+        [about[0] + more[0], about[1] + more[1]]
     };
     found.into_iter().map(exact).collect()
 }
@@ -265,6 +262,14 @@ impl KnownPlaces<'_> {
     }
 }
 
+/// Whether a page holds what a patch would copy. One that repeats always does.
+fn fits(page: PeriodicPlane, patch: &Patch, offset: [f64; 2]) -> bool {
+    (0..2).all(|k| {
+        let low = patch.low[k] + offset[k];
+        page.wraps[k] || low >= -1e-6 && low + patch.size[k] <= page.size[k] + 1e-6
+    })
+}
+
 /// The way from the canvas to the exemplar for a patch.
 fn choose(
     alike: &mut AlikeSamples<'_>,
@@ -275,17 +280,10 @@ fn choose(
     let &PatchSurroundings { patch, rim, plane, .. } = around;
     let input = alike.input;
     let page = input.graph.plane;
-    // A page that does not repeat must hold the patch.
-    let fits = |offset: &[f64; 2]| {
-        (0..2).all(|k| {
-            let low = patch.low[k] + offset[k];
-            page.wraps[k] || low >= -1e-6 && low + patch.size[k] <= page.size[k] + 1e-6
-        })
-    };
     let near: Vec<usize> = (0..rim.samples.len())
         .filter(|n| depth(patch, plane, rim.samples[*n].0) < BAND * input.scale.radius)
         .collect();
-    let mut tried: Vec<[f64; 2]> = going_on.iter().copied().filter(fits).collect();
+    let mut tried: Vec<[f64; 2]> = going_on.iter().copied().filter(|way| fits(page, patch, *way)).collect();
     let known = tried.len();
     for _ in 0..8 * TRIED {
         if tried.len() >= known + TRIED {
@@ -308,7 +306,7 @@ fn choose(
             let way = plane.between(middle, at);
             [0, 1].map(|k| to[k] - (middle[k] + way[k]))
         };
-        if fits(&offset) {
+        if fits(page, patch, offset) {
             tried.push(offset);
         }
     }

@@ -59,9 +59,9 @@ impl CompareNeighbourhoods for CurveComparison<'_> {
             |c: usize| if c < inner { alone(input.ways[ids[c] as usize].len(), delta) } else { 0.0 };
         total += (0..inner).map(missing).sum::<f64>();
         // Rows cost the same alone, so the difference is added here and taken off the row's entries. A given sample is no
-        // outlier.
+        // outlier, unless a line was cut there: that is one sample too many on the line that goes on.
         let spare = |s: usize| match input.is_robust {
-            true if s < output.given() => leave - FORCED * delta,
+            true if s < output.given() && output.ahead(s as u32).is_none() => leave - FORCED * delta,
             true => leave - alone(ways[s].len(), delta),
             false => 0.0,
         };

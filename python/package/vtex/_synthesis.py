@@ -40,6 +40,8 @@ def synthesize(
     guide: _inputs.Picture | None = None,
     context: _inputs.Picture | None = None,
     region: _inputs.Picture | None = None,
+    anew: bool = False,
+    source: _inputs.Picture | None = None,
     progress: _inputs.Progress | None = None,
 ) -> Scene:
     """Make a texture of any size like the exemplar of a library.
@@ -109,6 +111,11 @@ def synthesize(
         and what is made as the layer `predicted`. For one drawing of lines, without other things that steer.
     region : SVG, optional
         The region that is filled beside `context`: all filled shapes together, fitted to the canvas.
+    anew : bool, default False
+        Make the region anew: strokes of the drawing are cut at its border, and what lies in it is left out.
+    source : SVG, optional
+        The part of the library's drawing that is copied to the region and fitted to the lines around it: all
+        filled shapes together, fitted to the library's page. Their middle comes to the region's.
     progress : callable, optional
         Called as ``progress(stage, done, total)`` in this thread; the work stops if it returns False or
         raises.
@@ -144,6 +151,8 @@ def synthesize(
         raise InputError(f"control is for a single library, {len(libraries)} are given")
     if (context is None) != (region is None):
         raise InputError("context and region go together", "give both, or neither")
+    if context is None and (anew or source is not None):
+        raise InputError("anew and source are for a context", "give context and region, too")
     if context is not None and any(v is not None for v in (domain, density, map, control, guide)):
         raise InputError("a context goes with nothing else that steers", "leave out the others")
     width, height = _inputs.size_of(size) or (1000, 1000)
@@ -170,7 +179,8 @@ def synthesize(
     layers, lightness = _inputs.picture(control, "control"), _inputs.picture(guide, "guide")
     # Pictures that steer are fitted to the canvas, so its size is as good as given.
     sized = size is not None or bool(maps) or any((shape, densities, layers, lightness))
-    beside = _inputs.picture(context, "context"), _inputs.picture(region, "region")
+    drawing, free = _inputs.picture(context, "context"), _inputs.picture(region, "region")
+    beside = drawing, free, bool(anew), _inputs.picture(source, "source")
     cores = [library._core for library in libraries]
     steering = (shape, densities, maps, layers, lightness, *beside)
     return Scene._of(_vtex.synthesize(cores, _inputs.to_json(parameters), sized, *steering, progress))

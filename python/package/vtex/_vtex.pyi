@@ -115,6 +115,8 @@ def synthesize(
     guide: _Named | None,
     context: _Named | None,
     region: _Named | None,
+    anew: bool,
+    source: _Named | None,
     progress: _Progress | None,
 ) -> Scene: ...
 def reconstruct(library: Library) -> Scene: ...

@@ -150,10 +150,10 @@ fn run(
     let synthesis = &synthesis;
     let mut controls =
         reading::controls(&synthesis.steering, &synthesis.parameters, inputs.len(), &Input::read)?;
-    if let Some((files, drawing)) = synthesis.context.as_ref().zip(drawing) {
-        controls.context = Some(files.beside(drawing, &synthesis.parameters)?);
-    }
     let libraries = reading::libraries(inputs)?;
+    if let Some((files, drawing)) = synthesis.context.as_ref().zip(drawing) {
+        controls.context = Some(files.beside(drawing, &synthesis.parameters, &libraries[0])?);
+    }
     let exemplars: Vec<String> = libraries.iter().map(|l| l.source.sha256.clone()).collect();
     let replaced = synthesis.ask(common, reporter, Some(&exemplars))?;
     controls.structure = reading::structure_guide(&synthesis.steering, &libraries[0])?;

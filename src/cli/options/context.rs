@@ -5,6 +5,7 @@ use crate::cli::input::{Input, InputKind};
 use crate::cli::progress::Reporter;
 use clap::Args;
 use std::path::PathBuf;
+use vtex::geometry::Outline;
 use vtex::library::Library;
 use vtex::scene::SynthParams;
 use vtex::synth::DrawnContext;
@@ -26,6 +27,13 @@ pub(crate) struct ContextArgs {
     /// whole
     #[arg(long, value_name = "FILE", requires = "context")]
     pub(crate) region: Option<PathBuf>,
+    /// Make the region anew: strokes of the drawing are cut at its border, and what lies in it is left out
+    #[arg(long, requires = "context")]
+    pub(crate) anew: bool,
+    /// The part of the library's drawing that is copied to the region and fitted to the lines around it: all
+    /// filled shapes of an SVG together, fitted to the library's page. Their middle comes to the region's
+    #[arg(long, value_name = "FILE", requires = "context")]
+    pub(crate) source: Option<PathBuf>,
 }
 
 /// The files of a context.
@@ -33,20 +41,25 @@ pub(crate) struct ContextArgs {
 pub(crate) struct ContextFiles {
     drawing: Input,
     region: Input,
+    anew: bool,
+    source: Option<Input>,
 }
 
 impl ContextArgs {
     /// The files, if they are given.
     pub(crate) fn files(self) -> Option<ContextFiles> {
         let (drawing, region) = self.context.zip(self.region)?;
-        Some(ContextFiles { drawing: Input::new(drawing), region: Input::new(region) })
+        let (drawing, region, source) =
+            (Input::new(drawing), Input::new(region), self.source.map(Input::new));
+        Some(ContextFiles { drawing, region, anew: self.anew, source })
     }
 }
 
 impl ContextFiles {
     /// The files with their flags.
-    pub(crate) fn named(&self) -> [(&'static str, &Input); 2] {
-        [("--context", &self.drawing), ("--region", &self.region)]
+    pub(crate) fn named(&self) -> impl Iterator<Item = (&'static str, &Input)> {
+        let both = [("--context", &self.drawing), ("--region", &self.region)];
+        both.into_iter().chain(self.source.iter().map(|source| ("--source", source)))
     }
 
     /// Reads the drawing.
@@ -63,12 +76,25 @@ impl ContextFiles {
         }
     }
 
-    /// Reads the region for a canvas, beside a drawing.
-    pub(crate) fn beside(&self, drawing: Library, canvas: &SynthParams) -> anyhow::Result<DrawnContext> {
-        let bytes = self.region.read()?;
-        InputKind::expect(&bytes, &self.region, &[InputKind::Svg, InputKind::Unknown])
-            .map_err(|failure| failure.hint("a region is an SVG"))?;
-        let region = control::shape(&bytes, &self.region.name(), [canvas.width, canvas.height])?;
-        Ok(DrawnContext { drawing, region })
+    /// Reads the other files: the region on a canvas beside the drawing, and the part of a library that is copied to it.
+    pub(crate) fn beside(
+        &self,
+        drawing: Library,
+        canvas: &SynthParams,
+        library: &Library,
+    ) -> anyhow::Result<DrawnContext> {
+        let region = shape(&self.region, "a region", [canvas.width, canvas.height])?;
+        let page = [library.source.width, library.source.height];
+        let source = self.source.as_ref().map(|file| shape(file, "a source", page)).transpose()?;
+        let context = DrawnContext { drawing, region, source };
+        Ok(if self.anew { context.cleared() } else { context })
     }
+}
+
+/// Reads a shape that is fitted to a page.
+fn shape(file: &Input, role: &str, page: [u32; 2]) -> anyhow::Result<Outline> {
+    let bytes = file.read()?;
+    InputKind::expect(&bytes, file, &[InputKind::Svg, InputKind::Unknown])
+        .map_err(|failure| failure.hint(format!("{role} is an SVG")))?;
+    Ok(control::shape(&bytes, &file.name(), page)?)
 }

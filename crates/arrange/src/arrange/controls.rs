@@ -1,7 +1,8 @@
 //! Shapes and maps that steer synthesis.
 
+use super::context::DrawnContext;
 use vtex_base::error::{Result, check};
-use vtex_base::geometry::{Affine, Outline};
+use vtex_base::geometry::Outline;
 use vtex_base::raster::{ControlMap, LabelMap};
 use vtex_scene::library::Library;
 
@@ -22,24 +23,6 @@ pub struct Controls {
     /// A drawing that stays as it is, and the region beside it to be filled, for
     /// [`Method::Curves`](vtex_scene::scene::Method::Curves). `None`: the whole canvas is made.
     pub context: Option<DrawnContext>,
-}
-
-/// A drawing that stays as it is, and the region to be filled so that it fits to it (*Continuous Curve Textures*, §2.3).
-/// The texture holds the drawing as the layer `drawn`, and what is made as the layer `predicted`.
-#[derive(Clone, Debug)]
-pub struct DrawnContext {
-    /// The drawing, in the units of the canvas, its page at the canvas's upper left corner.
-    pub drawing: Library,
-    /// The region, on the canvas.
-    pub region: Outline,
-}
-
-impl DrawnContext {
-    /// The context in units of which `pixels` stand for one.
-    pub(crate) fn scaled(&self, pixels: [f64; 2]) -> Self {
-        let stretch = Affine::scale_non_uniform(pixels[0], pixels[1]);
-        Self { drawing: self.drawing.scaled(pixels), region: self.region.moved(stretch) }
-    }
 }
 
 /// The large structure that placement by correspondences follows.

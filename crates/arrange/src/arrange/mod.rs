@@ -11,6 +11,7 @@
 mod bins;
 mod choice;
 mod clearance;
+pub(crate) mod context;
 pub(crate) mod controls;
 pub(crate) mod correspondence;
 mod density;

@@ -5,7 +5,8 @@ use super::line_drawing::{LineDrawing, is_line};
 use super::report::{CurveReport, SynthReport};
 use super::samples_picture::graph_picture;
 use super::single_drawing::{refusal, single_drawing};
-use crate::arrange::controls::{Controls, DrawnContext};
+use crate::arrange::context::DrawnContext;
+use crate::arrange::controls::Controls;
 use vtex_base::error::{Error, Result};
 use vtex_base::geometry::plane::PeriodicPlane;
 use vtex_base::geometry::{Affine, Point};
@@ -141,7 +142,8 @@ fn continued(
     let alike: Vec<u32> = drawn.styles.iter().map(|style| drawing.style_like(style) as u32).collect();
     drawn.exemplar.strokes.iter_mut().for_each(|stroke| stroke.style = alike[stroke.style as usize]);
     let lines = drawn.exemplar.graph(go_on)?;
-    let found = curves_beside(graph, &CurveContext { lines, region: context.region.clone() }, asked, go_on)?;
+    let beside = CurveContext { lines, region: context.region.clone(), source: context.source.clone() };
+    let found = curves_beside(graph, &beside, asked, go_on)?;
     if found.curves.is_empty() {
         let bounds = context.region.bounds();
         let value = format!("{:.0} x {:.0}", bounds.width(), bounds.height());

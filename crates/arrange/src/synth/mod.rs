@@ -33,7 +33,8 @@ mod tests;
 mod units;
 mod vacated;
 
-pub use crate::arrange::controls::{Controls, DrawnContext, StructureGuide};
+pub use crate::arrange::context::DrawnContext;
+pub use crate::arrange::controls::{Controls, StructureGuide};
 pub use crate::arrange::correspondence::Structure;
 pub use report::{CategoryReport, ClusterReport, CurveReport, SynthReport};
 pub use strata::{StratumReport, layer_map};

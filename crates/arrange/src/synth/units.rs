@@ -101,7 +101,7 @@ fn made(
     let stretch = Affine::scale_non_uniform(places[0], places[1]);
     let steered = Controls {
         domain: controls.domain.as_ref().map(|d| d.moved(stretch)),
-        context: controls.context.as_ref().map(|c| c.scaled(places)),
+        context: controls.context.as_ref().map(|c| c.scaled(places, scale)),
         ..controls.clone()
     };
     let (scene, mut report) = in_pixels(&own, &on_pixels, &steered, memory, progress)

@@ -47,7 +47,7 @@ fn parts(of: &CurveExemplar, is_kept: impl Fn([f64; 2]) -> bool) -> Vec<CurveStr
 fn made_in(region: BezPath, of: &CurveExemplar, drawn: Vec<CurveStroke>, seed: u64) -> CurveResult {
     let size = of.page.size;
     let lines = exemplar(page(size, false), drawn).graph(&go_on).unwrap();
-    let context = CurveContext { lines, region: Outline::new(&region).unwrap() };
+    let context = CurveContext { lines, region: Outline::new(&region).unwrap(), source: None };
     let mut params = params(size, false);
     params.seed = seed;
     curves_beside(&of.graph(&go_on).unwrap(), &context, &params, &go_on).unwrap()
@@ -154,7 +154,7 @@ fn given_samples_keep_their_places_edges_and_existence() {
     let input = CurveInput::new(&of.graph(&go_on).unwrap(), scale, &go_on).unwrap();
     let drawn = left_half(&of);
     let lines = exemplar(page(of.page.size, false), drawn).graph(&go_on).unwrap();
-    let context = CurveContext { lines, region: Outline::new(&right_half(&of)).unwrap() };
+    let context = CurveContext { lines, region: Outline::new(&right_half(&of)).unwrap(), source: None };
     let given = GivenLines::new(&context, of.page.size, (scale, scale.distance));
     let standing = given.samples(&input, &go_on).unwrap();
     assert!(standing.given() > 50 && standing.given_edges > 40);
@@ -169,6 +169,35 @@ fn given_samples_keep_their_places_edges_and_existence() {
     let off = |s: &usize| !given.is_free(made.points[*s]);
     let strays = (made.given()..made.len()).filter(off).count();
     assert!(strays * 20 < made.len() - made.given(), "{strays}");
+}
+
+/// What of an exemplar's strokes lies within a distance of a place, and a copy of it made elsewhere beside it.
+fn cloned(of: &CurveExemplar, from: Point, to: Point, beside: Vec<CurveStroke>) -> CurveResult {
+    let size = of.page.size;
+    let region = |at: Point| Outline::new(&Circle::new(at, 70.0).to_path(0.01)).unwrap();
+    let lines = exemplar(page(size, false), beside).graph(&go_on).unwrap();
+    let context = CurveContext { lines, region: region(to), source: Some(region(from)) };
+    curves_beside(&of.graph(&go_on).unwrap(), &context, &params(size, false), &go_on).unwrap()
+}
+
+#[test]
+fn a_copy_among_nothing_is_the_same_elsewhere() {
+    let of = cells();
+    let (from, to) = (Point::new(150.0, 160.0), Point::new(230.0, 210.0));
+    let far = CurveStroke { points: vec![[2.0, 2.0], [2.0, 3.0]], closed: false, style: 0 };
+    let made = cloned(&of, from, to, vec![far]);
+    let inside = parts(&of, |p| from.distance(Point::new(p[0], p[1])) < 70.0);
+    let steps = inside.iter().flat_map(|s| s.points.windows(2));
+    let lines: Vec<kurbo::Line> =
+        steps.map(|w| kurbo::Line::new(Point::new(w[0][0], w[0][1]), Point::new(w[1][0], w[1][1]))).collect();
+    let wanted: f64 = lines.iter().map(|l| l.length()).sum();
+    assert!((length_of(&made) / wanted - 1.0).abs() < 0.05, "{} of {wanted}", length_of(&made));
+    for point in made.curves.iter().flat_map(|c| c.path.segments().map(|s| s.eval(0.5))) {
+        let there = point - to.to_vec2() + from.to_vec2();
+        let far =
+            lines.iter().map(|l| l.nearest(there, 1e-6).distance_sq).fold(f64::INFINITY, f64::min).sqrt();
+        assert!(far < 1.5, "{there:?} is {far} from the exemplar");
+    }
 }
 
 #[test]

@@ -1,0 +1,70 @@
+//! Drawings beside which a texture is made.
+
+use vtex_base::geometry::{Affine, CurvePart, Interior, Outline};
+use vtex_scene::element::{ElementId, Line, Shape};
+use vtex_scene::library::{ExemplarElement, ExemplarInstance, Library};
+
+/// A drawing that stays as it is, and the region to be filled so that it fits to it (*Continuous Curve Textures*, §2.3).
+/// The texture holds the drawing as the layer `drawn`, and what is made as the layer `predicted`.
+#[derive(Clone, Debug)]
+pub struct DrawnContext {
+    /// The drawing, in the units of the canvas, its page at the canvas's upper left corner.
+    pub drawing: Library,
+    /// The region, on the canvas.
+    pub region: Outline,
+    /// A part of the drawing of the library, in that drawing's units, of which a copy is laid in the region, the middle of
+    /// its bounds on that of the region's. The copy is fitted to the drawing around the region. `None`: chance decides what
+    /// comes into the region.
+    pub source: Option<Outline>,
+}
+
+impl DrawnContext {
+    /// The context without what its drawing holds in the region, which can then be made anew. Strokes are cut at the
+    /// border of the region. Of other shapes, those whose bounds have their middle in the region are left out.
+    #[must_use]
+    pub fn cleared(mut self) -> Self {
+        let region = Interior::new(&self.region);
+        let drawing = &mut self.drawing;
+        let mut elements: Vec<ExemplarElement> = Vec::new();
+        for layer in &mut drawing.layers {
+            for instance in std::mem::take(&mut layer.instances) {
+                let element = &drawing.elements[instance.element.index()];
+                let placed = element.shapes.iter().map(|s| s.moved(Affine::new(instance.transform)));
+                for shape in placed.flat_map(|shape| outside(shape, &region)) {
+                    layer.instances.push(ExemplarInstance::of(ElementId::after(elements.len())));
+                    elements.push(ExemplarElement {
+                        silhouette: None,
+                        shapes: vec![shape],
+                        ..element.clone()
+                    });
+                }
+            }
+        }
+        drawing.elements = elements;
+        self
+    }
+
+    /// The context in units of which `pixels` stand for one, beside a library in units of which `of_library` do.
+    pub(crate) fn scaled(&self, pixels: [f64; 2], of_library: [f64; 2]) -> Self {
+        let [stretch, own] = [pixels, of_library].map(|[x, y]| Affine::scale_non_uniform(x, y));
+        Self {
+            drawing: self.drawing.scaled(pixels),
+            region: self.region.moved(stretch),
+            source: self.source.as_ref().map(|source| source.moved(own)),
+        }
+    }
+}
+
+/// What of a shape is outside a region.
+fn outside(shape: Shape, region: &Interior) -> Vec<Shape> {
+    let Some(line) = &shape.line else {
+        let is_inside = region.contains(shape.outline.bounds().center());
+        return if is_inside { Vec::new() } else { vec![shape] };
+    };
+    let of_part = |CurvePart { curve, from }| {
+        let line = Line { path: curve, dash_offset: line.dash_offset + from, ..(**line).clone() };
+        let stroke = Shape::stroked(line, shape.colour)?;
+        Some(Shape { gradient: shape.gradient.clone(), opacity: shape.opacity, ..stroke })
+    };
+    line.path.outside(region).into_iter().filter_map(of_part).collect()
+}
