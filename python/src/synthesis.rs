@@ -72,7 +72,7 @@ impl SteeringFiles {
             _ => None,
         };
         let context = DrawnContext { drawing, region, source };
-        Ok(Some(if self.anew { context.cleared() } else { context }))
+        Ok(Some(if self.anew { context.cleared(canvas) } else { context }))
     }
 }
 

@@ -87,7 +87,7 @@ impl ContextFiles {
         let page = [library.source.width, library.source.height];
         let source = self.source.as_ref().map(|file| shape(file, "a source", page)).transpose()?;
         let context = DrawnContext { drawing, region, source };
-        Ok(if self.anew { context.cleared() } else { context })
+        Ok(if self.anew { context.cleared([canvas.width, canvas.height]) } else { context })
     }
 }
 

@@ -1,8 +1,11 @@
 //! Drawings beside which a texture is made.
 
-use vtex_base::geometry::{Affine, CurvePart, Interior, Outline};
+use vtex_base::geometry::{Affine, CurvePart, Interior, Outline, Point};
 use vtex_scene::element::{ElementId, Line, Shape};
 use vtex_scene::library::{ExemplarElement, ExemplarInstance, Library};
+
+/// Distance from the border at which places of a canvas are taken, as a share of its sides or in pixels.
+const ON_CANVAS: f64 = 1e-6;
 
 /// A drawing that stays as it is, and the region to be filled so that it fits to it (*Continuous Curve Textures*, §2.3).
 /// The texture holds the drawing as the layer `drawn`, and what is made as the layer `predicted`.
@@ -20,17 +23,21 @@ pub struct DrawnContext {
 
 impl DrawnContext {
     /// The context without what its drawing holds in the region, which can then be made anew. Strokes are cut at the
-    /// border of the region. Of other shapes, those whose bounds have their middle in the region are left out.
+    /// border of the region. Of other shapes, those whose bounds have their middle in the region are left out. What lies
+    /// beyond a canvas of a width and height counts as the nearest place on it.
     #[must_use]
-    pub fn cleared(mut self) -> Self {
+    pub fn cleared(mut self, canvas: [u32; 2]) -> Self {
         let region = Interior::new(&self.region);
+        let [width, height] = canvas.map(|side| (1.0 - ON_CANVAS) * f64::from(side));
+        let is_inside =
+            |p: Point| region.contains(Point::new(p.x.clamp(ON_CANVAS, width), p.y.clamp(ON_CANVAS, height)));
         let drawing = &mut self.drawing;
         let mut elements: Vec<ExemplarElement> = Vec::new();
         for layer in &mut drawing.layers {
             for instance in std::mem::take(&mut layer.instances) {
                 let element = &drawing.elements[instance.element.index()];
                 let placed = element.shapes.iter().map(|s| s.moved(Affine::new(instance.transform)));
-                for shape in placed.flat_map(|shape| outside(shape, &region)) {
+                for shape in placed.flat_map(|shape| outside(shape, &is_inside)) {
                     layer.instances.push(ExemplarInstance::of(ElementId::after(elements.len())));
                     elements.push(ExemplarElement {
                         silhouette: None,
@@ -56,15 +63,14 @@ impl DrawnContext {
 }
 
 /// What of a shape is outside a region.
-fn outside(shape: Shape, region: &Interior) -> Vec<Shape> {
+fn outside(shape: Shape, is_inside: &impl Fn(Point) -> bool) -> Vec<Shape> {
     let Some(line) = &shape.line else {
-        let is_inside = region.contains(shape.outline.bounds().center());
-        return if is_inside { Vec::new() } else { vec![shape] };
+        return if is_inside(shape.outline.bounds().center()) { Vec::new() } else { vec![shape] };
     };
     let of_part = |CurvePart { curve, from }| {
         let line = Line { path: curve, dash_offset: line.dash_offset + from, ..(**line).clone() };
         let stroke = Shape::stroked(line, shape.colour)?;
         Some(Shape { gradient: shape.gradient.clone(), opacity: shape.opacity, ..stroke })
     };
-    line.path.outside(region).into_iter().filter_map(of_part).collect()
+    line.path.outside(is_inside).into_iter().filter_map(of_part).collect()
 }

@@ -1,6 +1,6 @@
 //! Parts of curves outside a region.
 
-use super::{BezPath, Curve, Interior, PathEl};
+use super::{BezPath, Curve, PathEl, Point};
 use kurbo::{ParamCurve, ParamCurveArclen, PathSeg};
 
 /// Distance of the places at which a curve is asked for its side, in pixels, and their least and largest number in a
@@ -25,22 +25,22 @@ pub struct CurvePart {
 impl Curve {
     /// The parts of the curve outside a region, in order. A closed piece all of which is outside stays closed. What lies
     /// inside for less than half a pixel may stay.
-    pub fn outside(&self, region: &Interior) -> Vec<CurvePart> {
+    pub fn outside(&self, is_inside: impl Fn(Point) -> bool) -> Vec<CurvePart> {
         let pieces = self.path().elements().chunk_by(|_, next| !matches!(next, PathEl::MoveTo(_)));
-        pieces.flat_map(|piece| outside(piece, region)).collect()
+        pieces.flat_map(|piece| outside(piece, &is_inside)).collect()
     }
 }
 
 /// The parts of one piece.
-fn outside(piece: &[PathEl], region: &Interior) -> Vec<CurvePart> {
+fn outside(piece: &[PathEl], is_inside: &impl Fn(Point) -> bool) -> Vec<CurvePart> {
     let whole = BezPath::from_vec(piece.to_vec());
     let segments: Vec<PathSeg> = whole.segments().collect();
     // Each part with the length before it.
     let (mut parts, mut length): (Vec<(Vec<PathSeg>, f64)>, f64) = (Vec::new(), 0.0);
     let (mut goes_on, mut is_cut) = (false, false);
     for segment in &segments {
-        for (part, is_inside) in sides(segment, region) {
-            if is_inside {
+        for (part, side) in sides(segment, is_inside) {
+            if side {
                 (goes_on, is_cut) = (false, true);
             } else {
                 match parts.last_mut() {
@@ -71,8 +71,8 @@ fn outside(piece: &[PathEl], region: &Interior) -> Vec<CurvePart> {
 }
 
 /// The parts of a segment on either side of a border, and whether they are inside.
-fn sides(segment: &PathSeg, region: &Interior) -> Vec<(PathSeg, bool)> {
-    let is_inside = |t: f64| region.contains(segment.eval(t));
+fn sides(segment: &PathSeg, is_inside: &impl Fn(Point) -> bool) -> Vec<(PathSeg, bool)> {
+    let is_inside = |t: f64| is_inside(segment.eval(t));
     let steps = libm::ceil(segment.arclen(EXACT) / STEP).clamp(LEAST, MOST);
     let (mut found, mut from, mut side) = (Vec::new(), 0.0, is_inside(0.0));
     for k in 1..=steps as usize {
@@ -98,12 +98,12 @@ fn sides(segment: &PathSeg, region: &Interior) -> Vec<(PathSeg, bool)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::{Outline, parse_path};
+    use crate::geometry::{Interior, Outline, parse_path};
     use kurbo::Shape;
 
     fn parts(curve: &str, region: &str) -> Vec<CurvePart> {
-        let region = Outline::new(&parse_path(region).unwrap()).unwrap();
-        Curve::new(parse_path(curve).unwrap()).unwrap().outside(&Interior::new(&region))
+        let region = Interior::new(&Outline::new(&parse_path(region).unwrap()).unwrap());
+        Curve::new(parse_path(curve).unwrap()).unwrap().outside(|p| region.contains(p))
     }
 
     #[test]
