@@ -24,6 +24,7 @@ mod pictures;
 mod pursuit;
 mod rate_distortion;
 mod reduced;
+mod rims;
 mod secondaries;
 mod shading;
 mod shapes;

@@ -13,6 +13,7 @@ use super::partition::{ElementShapes, Partition};
 use super::patches::{FlatPatch, median};
 use super::pursuit::Shade;
 use super::rate_distortion::RateDistortion;
+use super::rims::{self, RIM_BYTES};
 use std::collections::{BTreeMap, BTreeSet};
 use vtex_base::geometry::{Affine, FittedMap, Outline, PlanarMap, Scale};
 use vtex_base::parallel;
@@ -43,6 +44,8 @@ pub(super) struct ExemplarPieces {
     pub(super) spots: Vec<GroundSpot>,
     /// The cost that a piece must save.
     pub(super) cost: RateDistortion,
+    /// Whether borders out of focus are drawn so.
+    pub(super) has_rims: bool,
     /// The colours of all pieces, if these are limited.
     pub(super) palette: Palette,
 }
@@ -97,6 +100,8 @@ pub(super) fn outlines(partition: &Partition<'_>, pieces: &ExemplarPieces) -> El
             _ => 0.0,
         })
     };
+    // Errors are sums over pixels.
+    let least_of_rim = pieces.cost.error_per_byte / grid.area() * RIM_BYTES;
     let with_shades: Vec<_> = ordered.iter().zip(&pieces.shades).collect();
     let primaries = parallel::map(&with_shades, |((first, details), shades)| {
         let mask = Cells(Mask::from_spans(details.iter().flat_map(|m| m.spans()).copied().collect()));
@@ -108,7 +113,9 @@ pub(super) fn outlines(partition: &Partition<'_>, pieces: &ExemplarPieces) -> El
         let base_gradient = gradients.first().cloned().flatten();
         let outline = whole[group(*first as u32) as usize].clone();
         let compactness = to_four_digits(outline.compactness());
-        let mut painted = vec![Shape { gradient: base_gradient.clone(), ..Shape::new(outline, base) }];
+        let rim = pieces.has_rims.then(|| rims::rim(&partition.image, &outline, least_of_rim)).flatten();
+        let base_shape = Shape { gradient: base_gradient.clone(), ..Shape::new(outline, base) };
+        let mut painted = vec![Shape { rim: rim.map(Box::new), ..base_shape }];
         for (i, &colour) in colours.iter().enumerate().skip(1) {
             if colour == base && gradients[i].is_none() && base_gradient.is_none() {
                 continue;

@@ -77,11 +77,12 @@ pub(super) fn simplify(
         share_colours(shaded.iter_mut().flat_map(|s| &mut s.shades).chain(spots), params.seed);
         let Ground { patches: secondaries, spots } = ground;
         let (details, shades) = shaded.into_iter().map(|s| (s.details, s.shades)).unzip();
-        return Ok(ExemplarPieces { details, shades, secondaries, spots, cost, palette });
+        return Ok(ExemplarPieces { details, shades, secondaries, spots, cost, has_rims: true, palette });
     }
     remember(partition, (details, known), None, remembers);
     let (details, shades) = (join(cost), vec![Vec::new(); details.len()]);
-    let pieces = ExemplarPieces { details, shades, secondaries, spots: Vec::new(), cost, palette };
+    let pieces =
+        ExemplarPieces { details, shades, secondaries, spots: Vec::new(), cost, has_rims: false, palette };
     Ok(if params.colors == 0 { pieces } else { reduce_colours(clean, pieces, params) })
 }
 
