@@ -17,6 +17,7 @@ mod margin;
 mod memory;
 mod moments;
 mod neighbours;
+mod painted;
 mod palette;
 mod partition;
 mod patches;

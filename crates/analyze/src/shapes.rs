@@ -8,6 +8,7 @@ use super::edges::Edges;
 use super::grid::{Cells, SubpixelGrid, to_four_digits};
 use super::ground::GroundSpot;
 use super::joining;
+use super::painted::PaintedPicture;
 use super::palette::Palette;
 use super::partition::{ElementShapes, Partition};
 use super::patches::{FlatPatch, median};
@@ -44,8 +45,8 @@ pub(super) struct ExemplarPieces {
     pub(super) spots: Vec<GroundSpot>,
     /// The cost that a piece must save.
     pub(super) cost: RateDistortion,
-    /// Whether borders out of focus are drawn so.
-    pub(super) has_rims: bool,
+    /// What is painted with all of these. `None` if borders are crisp, whatever the photograph shows.
+    pub(super) painted: Option<PaintedPicture>,
     /// The colours of all pieces, if these are limited.
     pub(super) palette: Palette,
 }
@@ -102,8 +103,13 @@ pub(super) fn outlines(partition: &Partition<'_>, pieces: &ExemplarPieces) -> El
     };
     // Errors are sums over pixels.
     let least_of_rim = pieces.cost.error_per_byte / grid.area() * RIM_BYTES;
-    let with_shades: Vec<_> = ordered.iter().zip(&pieces.shades).collect();
-    let primaries = parallel::map(&with_shades, |((first, details), shades)| {
+    let whole = &whole[1..=primary_count];
+    let rims = match &pieces.painted {
+        Some(painted) => rims::rims(&partition.image, &partition.labels, painted, whole, least_of_rim),
+        None => vec![None; primary_count],
+    };
+    let parts: Vec<_> = ordered.iter().zip(&pieces.shades).zip(whole.iter().zip(rims)).collect();
+    let primaries = parallel::map(&parts, |(((first, details), shades), (outline, rim))| {
         let mask = Cells(Mask::from_spans(details.iter().flat_map(|m| m.spans()).copied().collect()));
         let colours: Vec<Colour> =
             medians[first - 1..].iter().take(details.len()).map(|&m| pieces.palette.nearest(m)).collect();
@@ -111,10 +117,8 @@ pub(super) fn outlines(partition: &Partition<'_>, pieces: &ExemplarPieces) -> El
         let gradients: Vec<_> =
             details.iter().map(|m| joining::gradient(image, m, pieces.cost, grid).map(Box::new)).collect();
         let base_gradient = gradients.first().cloned().flatten();
-        let outline = whole[group(*first as u32) as usize].clone();
         let compactness = to_four_digits(outline.compactness());
-        let rim = pieces.has_rims.then(|| rims::rim(&partition.image, &outline, least_of_rim)).flatten();
-        let base_shape = Shape { gradient: base_gradient.clone(), ..Shape::new(outline, base) };
+        let base_shape = Shape { gradient: base_gradient.clone(), ..Shape::new((*outline).clone(), base) };
         let mut painted = vec![Shape { rim: rim.map(Box::new), ..base_shape }];
         for (i, &colour) in colours.iter().enumerate().skip(1) {
             if colour == base && gradients[i].is_none() && base_gradient.is_none() {

@@ -213,6 +213,17 @@ pub(super) fn styled(mut scene: Scene) -> Scene {
     scene
 }
 
+/// The scene with a soft rim along each filled element, of any width and opacity.
+pub(super) fn rimmed(mut scene: Scene) -> Scene {
+    for (k, element) in scene.elements.iter_mut().enumerate().filter(|(_, e)| !e.base().is_soft()) {
+        let k = k as f64;
+        let colour = Colour::from_f64([40.0 + 5.0 * k, 90.0, 240.0 - 5.0 * k]);
+        let rim = SoftRim { width: 1.5 + 0.75 * (k % 9.0), colour, opacity: 0.4 + 0.2 * (k % 4.0) };
+        element.shapes[0].rim = Some(Box::new(rim));
+    }
+    scene
+}
+
 /// The scene with properties of drawings: a layer in a region with a field, stroked paths with dashes, radial
 /// gradients, translucent shapes and soft rims.
 pub(super) fn drawn(mut scene: Scene) -> Scene {

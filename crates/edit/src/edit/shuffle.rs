@@ -127,7 +127,7 @@ impl Exchange<'_> {
         let gradient = gradient.and_then(|g| g.drawn(map));
         let own_base = own_element.base();
         let is_filled = own_base.line.is_none() && !own_base.is_soft();
-        let rim = other_element.base().rim.clone().filter(|_| is_filled);
+        let rim = other_element.base().rim.as_ref().filter(|_| is_filled).map(|rim| Box::new(rim.moved(map)));
         let base = Shape { colour, gradient, rim, ..own_base.clone() };
         let rings = own_element.base().outline.polygons(TOLERANCE);
         let outer = rings.iter().max_by(|a, b| extent(a).total_cmp(&extent(b)));

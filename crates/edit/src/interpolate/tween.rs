@@ -257,8 +257,12 @@ impl MatchedTextons {
             Some((ellipse, _)) => Shape::soft_along(&outline, paint.colour, ellipse.profile)?,
             None => Shape { gradient: paint.gradient.map(Box::new), ..Shape::new(outline, paint.colour) },
         };
-        let rims = [0, 1].map(|side| ends.scenes[side].element(instances[side]).base().rim.as_deref());
-        let rim = SoftRim::mixed(rims[0], rims[1], t).filter(|_| !base.is_soft()).map(Box::new);
+        let rims = [0, 1].map(|side| {
+            let rim = ends.scenes[side].element(instances[side]).base().rim.as_ref()?;
+            Some(rim.moved(instances[side].affine()))
+        });
+        let rim = SoftRim::mixed(rims[0].as_ref(), rims[1].as_ref(), t);
+        let rim = rim.filter(|_| !base.is_soft()).map(Box::new);
         let base = Shape { opacity: opacities[0] + (opacities[1] - opacities[0]) * t, rim, ..base };
         let element = Element {
             library: ends.libraries[side][nearer.library.index()],

@@ -49,8 +49,8 @@ impl SoftRim {
         self.opacity * (step as f64 + 0.5) / STEPS as f64
     }
 
-    /// The rim with a map that preserves angles applied.
-    pub(super) fn moved(&self, affine: Affine) -> Self {
+    /// The rim on an element to which a map is applied: as wide as areas grow, at most [`Self::WIDEST`].
+    pub fn moved(&self, affine: Affine) -> Self {
         let size = libm::sqrt(affine.determinant().abs());
         Self { width: (self.width * size).min(Self::WIDEST), ..*self }
     }
