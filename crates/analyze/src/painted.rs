@@ -67,3 +67,53 @@ impl PaintedPicture {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::partition::Partition;
+    use crate::{AnalyzeParams, Exemplar, parts, pieces};
+    use image::{Rgb, RgbImage};
+    use vtex_base::raster::{LabelMap, Limits, Mask};
+    use vtex_segment::segment::ScoredMask;
+
+    /// A light disc of radius 24 with a shadow on it, in the middle of 80 × 80 px, and a dark speck in each corner.
+    fn colour(x: u32, y: u32) -> [f64; 3] {
+        let [u, v] = [x, y].map(|v| f64::from(v) - 39.5);
+        let corner = libm::hypot(u.abs() - 32.0, v.abs() - 32.0);
+        if libm::hypot(u, v) < 24.0 {
+            let shadow = 60.0 * libm::exp(-(u * u + (v - 5.0) * (v - 5.0)) / 60.0);
+            return [200.0, 180.0, 120.0].map(|own| own - shadow);
+        }
+        let dark = (3.6 - corner).clamp(0.0, 1.0);
+        [70.0, 90.0, 80.0].map(|own| own * (1.0 - 0.7 * dark))
+    }
+
+    #[test]
+    fn pieces_are_painted_where_and_as_they_are_seen() {
+        let image = RgbImage::from_fn(80, 80, |x, y| Rgb(colour(x, y).map(|v| libm::round(v) as u8)));
+        let mut png = std::io::Cursor::new(Vec::new());
+        image.write_to(&mut png, image::ImageFormat::Png).unwrap();
+        let exemplar = Exemplar::from_bytes(&png.into_inner(), "disc.png", &Limits::default()).unwrap();
+        let labels = image.pixels().map(|p| u32::from(p.0[0] > 110)).collect();
+        let mut masks = Mask::all_of_labels(&LabelMap { width: 80, height: 80, labels }, 2);
+        let mask = ScoredMask { mask: masks.pop().unwrap(), score: 1.0 };
+        let params = AnalyzeParams::default();
+        let partition = Partition::new(&exemplar, &[mask], &params, None);
+        let known = vec![None; partition.primaries.len()];
+        let (strata, parts) = parts(&partition, &known, None, &()).unwrap();
+        let pieces = pieces(&partition, &strata, (parts, &known, None), &mut Vec::new(), &()).unwrap();
+        assert_eq!(pieces.details.len(), 1);
+        let painted = pieces.painted.unwrap();
+        assert_eq!((painted.width, painted.colours.len()), (80, 6400));
+        let off = |x: u32, y: u32| {
+            let (own, wanted) = (painted.colours[(80 * y + x) as usize], image.get_pixel(x, y).0);
+            (0..3).map(|c| (own[c] - f32::from(wanted[c])).abs()).fold(0.0, f32::max)
+        };
+        // On the shadow, beside it, between elements, on a speck.
+        for at in [(39, 44), (25, 30), (40, 4), (5, 60), (7, 7), (72, 7)] {
+            assert!(off(at.0, at.1) < 12.0, "{at:?}: {:?}", painted.colours[(80 * at.1 + at.0) as usize]);
+        }
+        let mean = (0..6400).map(|i| off(i % 80, i / 80)).sum::<f32>() / 6400.0;
+        assert!(mean < 5.0, "{mean}");
+    }
+}

@@ -1,7 +1,7 @@
 //! Scene → scene whose SVG stays within a number of bytes.
 //!
 //! Reductions form a ladder, the least visible first: fewer decimals; outlines with fewer segments, at a
-//! small tolerance; the least visible details and secondaries, a share of all at a time, with larger and
+//! small tolerance, and without soft rims; the least visible details and secondaries, a share of all at a time, with larger and
 //! larger tolerances. A bisection finds the first step of the ladder whose file fits. Primaries and the
 //! background always stay as they are.
 
@@ -14,7 +14,7 @@ use visibility::Ranks;
 use vtex_base::error::{Error, Result};
 use vtex_base::geometry::Outline;
 use vtex_base::parallel;
-use vtex_scene::scene::{Element, Scene};
+use vtex_scene::scene::{Element, Scene, Shape};
 
 /// The ladder after the decimals: the tolerance of outlines, in pixels, and the share of details and
 /// secondaries that is left out before the next step. Measured on textures of stones and of grass as mean
@@ -29,7 +29,7 @@ const SHARES: usize = 60;
 pub struct GivenUp {
     /// Digits after the decimal point that are left.
     pub decimals: u8,
-    /// Tolerance of simplified outlines, in pixels; 0 if outlines are unchanged.
+    /// Tolerance of simplified outlines, which have no soft rims, in pixels; 0 if outlines are unchanged.
     pub tolerance: f64,
     /// Details left out, on all primaries of the canvas.
     pub details: usize,
@@ -136,12 +136,13 @@ impl Refits<'_> {
     }
 }
 
-/// The scene with simplified outlines, within `tolerance` pixels in their own coordinates.
+/// The scene with simplified outlines, within `tolerance` pixels in their own coordinates, and without soft rims.
 fn refitted(scene: &Scene, tolerance: f64, decimals: u8) -> Scene {
     let refit = |outline: &Outline| outline.refitted(tolerance, decimals);
+    let simpler = |shape: &Shape| Shape { rim: None, ..shape.with_outline(refit(&shape.outline)) };
     let elements = parallel::map(&scene.elements, |element| Element {
         silhouette: element.silhouette.as_ref().map(refit),
-        shapes: element.shapes.iter().map(|s| s.with_outline(refit(&s.outline))).collect(),
+        shapes: element.shapes.iter().map(simpler).collect(),
         ..*element
     });
     Scene { elements, ..scene.clone() }
@@ -190,6 +191,26 @@ mod tests {
         }
         assert_eq!(last.elements, scene.of_role(Role::Secondary).count());
         assert_eq!(fit(&scene, smallest).unwrap(), fit(&scene, smallest).unwrap());
+    }
+
+    #[test]
+    fn rims_are_given_up_with_the_first_tolerance() {
+        let bare = testing::scene(300, 200, 3);
+        let rimmed = testing::rimmed(bare.clone());
+        let smallest = |scene: &Scene| match fit(scene, 1).unwrap_err().downcast() {
+            Ok(Error::MaxBytes { smallest, .. }) => smallest,
+            other => panic!("{other:?}"),
+        };
+        assert_eq!(smallest(&rimmed), smallest(&bare));
+        let options = SvgOptions { precision: 1, ..SvgOptions::default() };
+        let rims = |most| {
+            let reduced = fit(&rimmed, most).unwrap();
+            let count = reduced.scene.elements.iter().filter(|e| e.base().rim.is_some()).count();
+            (count > 0, reduced.given_up.unwrap().tolerance)
+        };
+        let of_decimals = bytes(&rimmed, &options).unwrap();
+        assert_eq!(rims(of_decimals), (true, 0.0));
+        assert!(!rims(of_decimals - 1).0);
     }
 
     #[test]
