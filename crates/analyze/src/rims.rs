@@ -379,7 +379,7 @@ mod tests {
         let painted = |colours: Vec<[f32; 3]>| PaintedPicture { width: 80, colours };
         let free = LabelMap::filled(80, 80, 0);
         let exact = painted(photograph.pixels().map(|p| p.0.map(f32::from)).collect());
-        assert_eq!(rims(&photograph, &free, &exact, &[outline.clone()], 100.0), [None]);
+        assert_eq!(rims(&photograph, &free, &exact, std::slice::from_ref(&outline), 100.0), [None]);
         // Of two elements with one border, one has a rim.
         let both = rims(&photograph, &free, &crisp(), &[outline.clone(), outline.clone()], 30_000.0);
         assert!(both[0].is_some() && both[1].is_none(), "{both:?}");
