@@ -84,7 +84,7 @@ pub mod element {
     #[doc(inline)]
     pub use vtex_scene::element::{
         Appearance, Cap, CategoryId, ElementId, Gaussian, Gradient, GradientKind, Join, Line, Role, Shape,
-        Stop,
+        SoftRim, Stop,
     };
 }
 

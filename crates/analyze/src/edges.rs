@@ -34,7 +34,7 @@ impl<'a> Edges<'a> {
     /// vector from the left side to the right. 0 where the contrast is too low.
     pub(super) fn distance(&self, at: Point, normal: Vec2, left: u32, right: u32) -> f64 {
         let side = |label: u32, away: Vec2| {
-            let here = self.colour(at + away);
+            let here = sample(self.image, at + away);
             match self.colours.get(label as usize).copied().flatten() {
                 Some(colour) => {
                     let own = colour.to_f64();
@@ -54,33 +54,33 @@ impl<'a> Edges<'a> {
         let step = REACH / f64::from(SAMPLES);
         let mut amount = 0.0;
         for k in -SAMPLES..=SAMPLES {
-            let here = self.colour(at + normal * (f64::from(k) * step));
+            let here = sample(self.image, at + normal * (f64::from(k) * step));
             let share = (0..3).map(|c| (here[c] - r[c]) * apart[c]).sum::<f64>() / contrast2;
             let ends = if k.abs() == SAMPLES { 0.5 } else { 1.0 };
             amount += share.clamp(0.0, 1.0) * ends * step;
         }
         weight * (amount - REACH)
     }
+}
 
-    /// Bilinear sample of the image; beyond the border the nearest pixel.
-    #[inline]
-    fn colour(&self, at: Point) -> [f64; 3] {
-        let (width, height) = (self.image.width() as i32, self.image.height() as i32);
-        let (x, y) = (at.x - 0.5, at.y - 0.5);
-        let (x0, y0) = (floor(x), floor(y));
-        let (column, line) = (x0 as i32, y0 as i32);
-        let [left, right] = [column, column.saturating_add(1)].map(|x| 3 * x.clamp(0, width - 1) as usize);
-        let row = |y: i32| &self.image.as_raw()[3 * (y.clamp(0, height - 1) * width) as usize..];
-        let (above, below) = (row(line), row(line.saturating_add(1)));
-        let (tx, ty) = (x - x0, y - y0);
-        // A loop: `map` of arrays is not always compiled into its caller, which doubles what sampling costs.
-        let mut colour = [0.0; 3];
-        for (c, value) in colour.iter_mut().enumerate() {
-            let across = |row: &[u8]| between(f64::from(row[left + c]), f64::from(row[right + c]), tx);
-            *value = between(across(above), across(below), ty);
-        }
-        colour
+/// Bilinear sample of an image; beyond the border the nearest pixel.
+#[inline]
+pub(super) fn sample(image: &RgbImage, at: Point) -> [f64; 3] {
+    let (width, height) = (image.width() as i32, image.height() as i32);
+    let (x, y) = (at.x - 0.5, at.y - 0.5);
+    let (x0, y0) = (floor(x), floor(y));
+    let (column, line) = (x0 as i32, y0 as i32);
+    let [left, right] = [column, column.saturating_add(1)].map(|x| 3 * x.clamp(0, width - 1) as usize);
+    let row = |y: i32| &image.as_raw()[3 * (y.clamp(0, height - 1) * width) as usize..];
+    let (above, below) = (row(line), row(line.saturating_add(1)));
+    let (tx, ty) = (x - x0, y - y0);
+    // A loop: `map` of arrays is not always compiled into its caller, which doubles what sampling costs.
+    let mut colour = [0.0; 3];
+    for (c, value) in colour.iter_mut().enumerate() {
+        let across = |row: &[u8]| between(f64::from(row[left + c]), f64::from(row[right + c]), tx);
+        *value = between(across(above), across(below), ty);
     }
+    colour
 }
 
 /// The largest whole number up to `v`, for places in an image.

@@ -5,7 +5,7 @@
 //! are found first on the bare background. A patch stays if it still saves more error than its bytes cost. Spots are
 //! then painted again around the patches that stay, and more are found.
 
-use super::grid::{Cells, to_four_digits};
+use super::grid::{Cells, SubpixelGrid, to_four_digits};
 use super::partition::Partition;
 use super::patches::{FlatPatch, difference};
 use super::pursuit::{PaintedWindow, ROUNDS, Rules, Shade};
@@ -70,10 +70,7 @@ impl Ground {
         let patches: Vec<FlatPatch> =
             patches.into_iter().zip(stays).filter_map(|(patch, stays)| stays.then_some(patch)).collect();
         window.painted = bare;
-        for (x, y) in patches.iter().flat_map(|patch| patch.mask.pixels()) {
-            let weight = &mut window.weight[pixel(x, y, grid.cells, window.width)];
-            *weight = (*weight - 1.0 / grid.area() as f32).max(0.0);
-        }
+        leave_out(&mut window, &patches, grid);
         let mut shades = window.repaint(&shades, least, rules);
         shades.extend(window.paint(least, ROUNDS, rules, progress)?);
         let spot = |shade: Shade| GroundSpot { behind: behind.colour(shade.ellipse.centre), shade };
@@ -113,8 +110,29 @@ fn gain(image: &Cells<RgbImage>, window: &PaintedWindow, patch: &FlatPatch, cell
     saved.sum()
 }
 
+/// Leaves what patches cover out of what is to be painted.
+fn leave_out(window: &mut PaintedWindow, patches: &[FlatPatch], grid: SubpixelGrid) {
+    for (x, y) in patches.iter().flat_map(|patch| patch.mask.pixels()) {
+        let weight = &mut window.weight[pixel(x, y, grid.cells, window.width)];
+        *weight = (*weight - 1.0 / grid.area() as f32).max(0.0);
+    }
+}
+
+/// What is seen of the background and of spots: the window over the whole photograph, painted with them.
+pub(super) fn painted(
+    partition: &Partition<'_>,
+    behind: &BehindElements<'_>,
+    patches: &[FlatPatch],
+    spots: &[GroundSpot],
+) -> PaintedWindow {
+    let mut window = window(partition, behind);
+    leave_out(&mut window, patches, partition.grid);
+    window.draw(&spots.iter().map(|spot| spot.shade).collect::<Vec<_>>());
+    window
+}
+
 /// Index of the pixel of a window over the whole photograph that holds a cell.
-fn pixel(x: i32, y: i32, cells: u32, width: usize) -> usize {
+pub(super) fn pixel(x: i32, y: i32, cells: u32, width: usize) -> usize {
     (y as u32 / cells) as usize * width + (x as u32 / cells) as usize
 }
 

@@ -245,6 +245,14 @@ impl PaintedWindow {
         again.collect()
     }
 
+    /// Paints ellipses that were found before.
+    pub(super) fn draw(&mut self, shades: &[Shade]) {
+        for Shade { ellipse, colour } in shades {
+            let centre = [0, 1].map(|k| ellipse.centre[k] - self.corner[k]);
+            self.add(&Ellipse { centre, ..*ellipse }, colour.to_f64());
+        }
+    }
+
     /// Paints an ellipse.
     fn add(&mut self, ellipse: &Ellipse, colour: [f64; 3]) -> Shade {
         let colour = Colour::from_f64(colour);

@@ -87,7 +87,7 @@ pub(super) fn shaded(
 }
 
 /// The pixels around an element, painted with its pieces.
-fn window(
+pub(super) fn window(
     image: &Cells<RgbImage>,
     details: &[Cells<Mask>],
     cost: RateDistortion,

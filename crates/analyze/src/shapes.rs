@@ -8,11 +8,13 @@ use super::edges::Edges;
 use super::grid::{Cells, SubpixelGrid, to_four_digits};
 use super::ground::GroundSpot;
 use super::joining;
+use super::painted::PaintedPicture;
 use super::palette::Palette;
 use super::partition::{ElementShapes, Partition};
 use super::patches::{FlatPatch, median};
 use super::pursuit::Shade;
 use super::rate_distortion::RateDistortion;
+use super::rims::{self, RIM_BYTES};
 use std::collections::{BTreeMap, BTreeSet};
 use vtex_base::geometry::{Affine, FittedMap, Outline, PlanarMap, Scale};
 use vtex_base::parallel;
@@ -43,6 +45,8 @@ pub(super) struct ExemplarPieces {
     pub(super) spots: Vec<GroundSpot>,
     /// The cost that a piece must save.
     pub(super) cost: RateDistortion,
+    /// What is painted with all of these. `None` if borders are crisp, whatever the photograph shows.
+    pub(super) painted: Option<PaintedPicture>,
     /// The colours of all pieces, if these are limited.
     pub(super) palette: Palette,
 }
@@ -97,8 +101,15 @@ pub(super) fn outlines(partition: &Partition<'_>, pieces: &ExemplarPieces) -> El
             _ => 0.0,
         })
     };
-    let with_shades: Vec<_> = ordered.iter().zip(&pieces.shades).collect();
-    let primaries = parallel::map(&with_shades, |((first, details), shades)| {
+    // Errors are sums over pixels.
+    let least_of_rim = pieces.cost.error_per_byte / grid.area() * RIM_BYTES;
+    let whole = &whole[1..=primary_count];
+    let rims = match &pieces.painted {
+        Some(painted) => rims::rims(&partition.image, &partition.labels, painted, whole, least_of_rim),
+        None => vec![None; primary_count],
+    };
+    let parts: Vec<_> = ordered.iter().zip(&pieces.shades).zip(whole.iter().zip(rims)).collect();
+    let primaries = parallel::map(&parts, |(((first, details), shades), (outline, rim))| {
         let mask = Cells(Mask::from_spans(details.iter().flat_map(|m| m.spans()).copied().collect()));
         let colours: Vec<Colour> =
             medians[first - 1..].iter().take(details.len()).map(|&m| pieces.palette.nearest(m)).collect();
@@ -106,9 +117,9 @@ pub(super) fn outlines(partition: &Partition<'_>, pieces: &ExemplarPieces) -> El
         let gradients: Vec<_> =
             details.iter().map(|m| joining::gradient(image, m, pieces.cost, grid).map(Box::new)).collect();
         let base_gradient = gradients.first().cloned().flatten();
-        let outline = whole[group(*first as u32) as usize].clone();
         let compactness = to_four_digits(outline.compactness());
-        let mut painted = vec![Shape { gradient: base_gradient.clone(), ..Shape::new(outline, base) }];
+        let base_shape = Shape { gradient: base_gradient.clone(), ..Shape::new((*outline).clone(), base) };
+        let mut painted = vec![Shape { rim: rim.map(Box::new), ..base_shape }];
         for (i, &colour) in colours.iter().enumerate().skip(1) {
             if colour == base && gradients[i].is_none() && base_gradient.is_none() {
                 continue;

@@ -4,6 +4,7 @@ use super::grid::Cells;
 use super::ground::Ground;
 use super::joining;
 use super::memory::{ElementParts, ElementsMemory, KnownParts};
+use super::painted::PaintedPicture;
 use super::palette::Palette;
 use super::partition::Partition;
 use super::patches::{self, FlatPatch};
@@ -76,12 +77,15 @@ pub(super) fn simplify(
         let spots = ground.spots.iter_mut().map(|spot| &mut spot.shade);
         share_colours(shaded.iter_mut().flat_map(|s| &mut s.shades).chain(spots), params.seed);
         let Ground { patches: secondaries, spots } = ground;
-        let (details, shades) = shaded.into_iter().map(|s| (s.details, s.shades)).unzip();
-        return Ok(ExemplarPieces { details, shades, secondaries, spots, cost, palette });
+        let (details, shades): (Vec<_>, Vec<_>) = shaded.into_iter().map(|s| (s.details, s.shades)).unzip();
+        let elements: Vec<_> = details.iter().zip(&shades).map(|(d, s)| (&d[..], &s[..])).collect();
+        let painted = Some(PaintedPicture::new(partition, behind, cost, &elements, (&secondaries, &spots)));
+        return Ok(ExemplarPieces { details, shades, secondaries, spots, cost, painted, palette });
     }
     remember(partition, (details, known), None, remembers);
     let (details, shades) = (join(cost), vec![Vec::new(); details.len()]);
-    let pieces = ExemplarPieces { details, shades, secondaries, spots: Vec::new(), cost, palette };
+    let (spots, painted) = (Vec::new(), None);
+    let pieces = ExemplarPieces { details, shades, secondaries, spots, cost, painted, palette };
     Ok(if params.colors == 0 { pieces } else { reduce_colours(clean, pieces, params) })
 }
 

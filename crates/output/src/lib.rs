@@ -18,6 +18,8 @@ pub mod png;
 pub mod raster_animation;
 pub mod raster_svg;
 pub mod reduce;
+#[cfg(test)]
+mod rims;
 pub mod seal;
 #[cfg(test)]
 mod seams;

@@ -18,7 +18,7 @@ use vtex_base::error::{Error, Large, Result};
 use vtex_base::geometry::{Affine, Outline, PathEl, Rect, Vec2};
 use vtex_base::parallel;
 use vtex_base::raster::colour::Colour;
-use vtex_scene::element::{Ellipse, GradientKind, Stop};
+use vtex_scene::element::{Ellipse, GradientKind, SoftRim, Stop};
 use vtex_scene::scene::{Gradient, Instance, Scene, Shape};
 
 /// Height of the bands drawn at a time, in pixels.
@@ -128,6 +128,8 @@ fn band_transform(affine: Affine, top: f64) -> Transform {
 struct ElementPaths {
     base: Option<tiny_skia::Path>,
     details: Vec<Detail>,
+    /// The strokes of its soft rim.
+    rim: Vec<(tiny_skia::Stroke, Paint<'static>)>,
     /// The outline of the whole element, if it differs from that of the base.
     silhouette: Option<tiny_skia::Path>,
     bounds: Rect,
@@ -194,6 +196,7 @@ impl<'a> PreparedScene<'a> {
         let drawings = parallel::map(&scene.elements, |element| ElementPaths {
             base: path_of(&element.base().outline),
             details: element.details().iter().filter_map(Detail::new).collect(),
+            rim: element.base().rim.iter().flat_map(|rim| rim_strokes(rim)).collect(),
             silhouette: element.silhouette.as_ref().and_then(path_of),
             bounds: element.bounds(),
         });
@@ -295,14 +298,14 @@ impl<'a> PreparedScene<'a> {
                 band.fill_path(&detail.path, &detail.paint, FillRule::Winding, transform, None);
             }
         }
+        if let Some(path) = &drawing.base {
+            for (line, paint) in &drawing.rim {
+                band.stroke_path(path, paint, line, transform, None);
+            }
+        }
         let outline = drawing.silhouette.as_ref().or(drawing.base.as_ref());
         if let (Some(path), Some(stroke)) = (outline, instance.stroke) {
-            let line = tiny_skia::Stroke {
-                width: stroke.width as f32,
-                line_join: LineJoin::Round,
-                ..tiny_skia::Stroke::default()
-            };
-            band.stroke_path(path, &opaque(stroke.colour), &line, transform, None);
+            band.stroke_path(path, &opaque(stroke.colour), &round_line(stroke.width), transform, None);
         }
     }
 }
@@ -346,6 +349,20 @@ fn draw_clipped(
     draw(&mut own.as_mut());
     region.clip(&mut own.as_mut(), top as f64);
     band.draw_pixmap(0, 0, own.as_ref(), &PixmapPaint::default(), Transform::identity(), None);
+}
+
+/// A line with round joins.
+fn round_line(width: f64) -> tiny_skia::Stroke {
+    tiny_skia::Stroke { width: width as f32, line_join: LineJoin::Round, ..tiny_skia::Stroke::default() }
+}
+
+/// The strokes of a soft rim and their paint.
+fn rim_strokes(rim: &SoftRim) -> impl Iterator<Item = (tiny_skia::Stroke, Paint<'static>)> {
+    let Colour([r, g, b]) = rim.colour;
+    rim.strokes().into_iter().map(move |[width, opacity]| {
+        let colour = Color::from_rgba8(r, g, b, libm::round(255.0 * opacity) as u8);
+        (round_line(width), Paint { shader: Shader::SolidColor(colour), ..Paint::default() })
+    })
 }
 
 fn opaque(colour: Colour) -> Paint<'static> {

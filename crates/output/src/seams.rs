@@ -8,7 +8,8 @@ use tiny_skia::Pixmap;
 use vtex_base::geometry::{Affine, BezPath, Outline};
 use vtex_scene::scene::{Domain, Edge, ElementId, Scene, Tile};
 
-const TILES: [Tile; 3] = [Tile { x: true, y: true }, Tile { x: true, y: false }, Tile { x: false, y: true }];
+pub(super) const TILES: [Tile; 3] =
+    [Tile { x: true, y: true }, Tile { x: true, y: false }, Tile { x: false, y: true }];
 
 /// Rows of the background lie at equal places before and after a move by half of this canvas.
 const SIZE: (u32, u32) = (300, 200);
@@ -20,7 +21,7 @@ fn by_svg(scene: &Scene, options: SvgOptions, scale: f64) -> Pixmap {
 }
 
 /// All ways of drawing, by name.
-fn pictures(scene: &Scene, scale: f64) -> [(&'static str, Pixmap); 3] {
+pub(super) fn pictures(scene: &Scene, scale: f64) -> [(&'static str, Pixmap); 3] {
     // Precise enough to compare single pixels.
     let fine = SvgOptions { precision: 2, ..SvgOptions::default() };
     let expanded = SvgOptions { expand: true, ..fine };
@@ -32,14 +33,14 @@ fn pictures(scene: &Scene, scale: f64) -> [(&'static str, Pixmap); 3] {
 }
 
 /// Pixel (x, y) of copies of a picture laid side by side.
-fn laid(picture: &Pixmap, x: u32, y: u32) -> [u8; 4] {
+pub(super) fn laid(picture: &Pixmap, x: u32, y: u32) -> [u8; 4] {
     let p = picture.pixel(x % picture.width(), y % picture.height()).unwrap();
     [p.red(), p.green(), p.blue(), p.alpha()]
 }
 
 /// Compares copies laid side by side, begun at (dx, dy), with another picture: mean difference of
 /// components, and the share of pixels that differ by more than `most`.
-fn difference(tiles: &Pixmap, whole: &Pixmap, dx: u32, dy: u32, most: u8) -> (f64, f64) {
+pub(super) fn difference(tiles: &Pixmap, whole: &Pixmap, dx: u32, dy: u32, most: u8) -> (f64, f64) {
     let (mut sum, mut bad) = (0.0, 0.0);
     for y in 0..whole.height() {
         for x in 0..whole.width() {

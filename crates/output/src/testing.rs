@@ -3,7 +3,7 @@
 use vtex_base::geometry::{Affine, BezPath, Curve, Outline, Point, parse_path};
 use vtex_base::raster::colour::Colour;
 use vtex_base::sampling::{Area, Stream, poisson_disk, stream};
-use vtex_scene::element::{Cap, Ellipse, GradientKind, Join, Line, Profile, Stop};
+use vtex_scene::element::{Cap, Ellipse, GradientKind, Join, Line, Profile, SoftRim, Stop};
 use vtex_scene::scene::{
     ControlPoint, Element, ElementId, Field, Gradient, Instance, InstanceId, Layer, LibraryRef, Role, Scene,
     Shadow, Shape, Stroke, SynthParams, Tile, testing,
@@ -213,8 +213,19 @@ pub(super) fn styled(mut scene: Scene) -> Scene {
     scene
 }
 
+/// The scene with a soft rim along each filled element, of any width and opacity.
+pub(super) fn rimmed(mut scene: Scene) -> Scene {
+    for (k, element) in scene.elements.iter_mut().enumerate().filter(|(_, e)| !e.base().is_soft()) {
+        let k = k as f64;
+        let colour = Colour::from_f64([40.0 + 5.0 * k, 90.0, 240.0 - 5.0 * k]);
+        let rim = SoftRim { width: 1.5 + 0.75 * (k % 9.0), colour, opacity: 0.4 + 0.2 * (k % 4.0) };
+        element.shapes[0].rim = Some(Box::new(rim));
+    }
+    scene
+}
+
 /// The scene with properties of drawings: a layer in a region with a field, stroked paths with dashes, radial
-/// gradients, and translucent shapes.
+/// gradients, translucent shapes and soft rims.
 pub(super) fn drawn(mut scene: Scene) -> Scene {
     let curve = |text: &str| Curve::new(parse_path(text).unwrap()).unwrap();
     let line = Line { cap: Cap::Round, join: Join::Round, ..Line::new(curve("M-15 0C-5-20 5 20 15 0"), 3.0) };
@@ -223,13 +234,22 @@ pub(super) fn drawn(mut scene: Scene) -> Scene {
     let linear = Gradient::linear([-3.0, -2.0], [11.0, 5.0], [Colour([250, 230, 90]), Colour([120, 20, 60])]);
     let stop = Stop { offset: 0.4, colour: Colour([240, 120, 40]), opacity: 0.8 };
     let radial = Gradient { kind: GradientKind::Radial, between: vec![stop], ..linear };
+    let rim = |colour, width| Some(Box::new(SoftRim { width, colour: Colour(colour), opacity: 0.9 }));
     let shapes = [
         vec![Shape::stroked(line, Colour([20, 60, 160])).unwrap()],
         vec![
-            Shape { opacity: 0.5, ..Shape::new(disc.clone(), Colour([30, 140, 90])) },
+            Shape {
+                opacity: 0.5,
+                rim: rim([250, 200, 90], 3.0),
+                ..Shape::new(disc.clone(), Colour([30, 140, 90]))
+            },
             Shape::stroked(dashed, Colour([250, 250, 250])).unwrap(),
         ],
-        vec![Shape { gradient: Some(Box::new(radial)), ..Shape::new(disc, Colour([200, 90, 50])) }],
+        vec![Shape {
+            gradient: Some(Box::new(radial)),
+            rim: rim([60, 50, 30], 6.0),
+            ..Shape::new(disc, Colour([200, 90, 50]))
+        }],
     ];
     let mut next = scene.instances().map(|i| i.id.0).max().unwrap_or(0);
     let (w, h) = (f64::from(scene.width), f64::from(scene.height));

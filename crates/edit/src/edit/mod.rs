@@ -20,6 +20,8 @@ mod place;
 mod propagate;
 mod relax;
 mod replace;
+#[cfg(test)]
+mod rim_tests;
 mod selection;
 mod shuffle;
 mod style;

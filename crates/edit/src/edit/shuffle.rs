@@ -117,15 +117,18 @@ impl Exchange<'_> {
             return Some(ChangedInstance { instance, element: None });
         }
         let (colour, gradient) = other_element.paint(other.colour);
-        let plain =
-            gradient.is_none() && other_element.details().is_empty() && own_element.details().is_empty();
+        let is_bare = |e: &Element| e.details().is_empty() && e.base().rim.is_none();
+        let plain = gradient.is_none() && is_bare(other_element) && is_bare(own_element);
         if plain {
             let instance = Instance { colour: Some(colour), ..own.clone() };
             return Some(ChangedInstance { instance, element: None });
         }
         let map = own.affine().inverse() * source.onto(&target) * other.affine();
         let gradient = gradient.and_then(|g| g.drawn(map));
-        let base = Shape { colour, gradient, ..own_element.base().clone() };
+        let own_base = own_element.base();
+        let is_filled = own_base.line.is_none() && !own_base.is_soft();
+        let rim = other_element.base().rim.as_ref().filter(|_| is_filled).map(|rim| Box::new(rim.moved(map)));
+        let base = Shape { colour, gradient, rim, ..own_base.clone() };
         let rings = own_element.base().outline.polygons(TOLERANCE);
         let outer = rings.iter().max_by(|a, b| extent(a).total_cmp(&extent(b)));
         let details = other_element.details().iter().filter_map(|detail| moved_into(detail, map, outer?));

@@ -7,6 +7,7 @@ use vtex_base::document::Document;
 use vtex_base::geometry::{Affine, BezPath, Outline, inside, nearest};
 use vtex_base::raster::colour::Colour;
 use vtex_base::sampling::{Stream, stream};
+use vtex_scene::element::SoftRim;
 use vtex_scene::scene::field::Interpolant;
 use vtex_scene::scene::{
     ControlPoint, Domain, Edge, ElementId, Field, Gradient, InstanceId, Shadow, Shape, Stroke, testing,
@@ -418,4 +419,42 @@ fn an_interpolation_owns_its_scenes() {
     let (here, there) = (made(), made());
     let middle = std::thread::spawn(move || there.at(0.5)).join().unwrap();
     assert_eq!(middle, here.at(0.5));
+}
+
+#[test]
+fn rims_are_mixed_and_appear() {
+    let rim = SoftRim { width: 4.0, colour: Colour([90; 3]), opacity: 0.8 };
+    let (mut a, mut b) = (scene(21, 12, false), scene(22, 12, false));
+    for scene in [&mut a, &mut b] {
+        scene.elements.iter_mut().take(12).for_each(|e| e.shapes[0].rim = Some(Box::new(rim)));
+    }
+    // Elements at twice the size have rims of twice the width.
+    for instance in b.primary_mut() {
+        (0..4).for_each(|k| instance.transform[k] *= 2.0);
+    }
+    let rims = |scene: &Scene| -> Vec<[f64; 2]> {
+        let seen = |i: &Instance| {
+            let rim = scene.element(i).base().rim.as_ref()?;
+            Some([rim.width * libm::sqrt(i.affine().determinant().abs()), rim.opacity])
+        };
+        scene.primary().iter().filter_map(seen).collect()
+    };
+    let near = |found: &[[f64; 2]], wanted: [f64; 2]| {
+        let off = |k: usize| found.iter().map(|f| (f[k] - wanted[k]).abs()).fold(0.0, f64::max);
+        assert!(off(0) < 0.05 * wanted[0] && off(1) < 0.05, "{found:?}, not {wanted:?}");
+    };
+    let [first, last] = [1e-6, 1.0 - 1e-6].map(|t| between(&a, &b, t));
+    near(&rims(&first), [4.0, 0.8]);
+    near(&rims(&last), [8.0, 0.8]);
+    let middle = rims(&between(&a, &b, 0.5));
+    assert_eq!(middle.len(), 12);
+    assert!(
+        middle.iter().all(|[width, opacity]| (4.0..=8.0).contains(width) && (opacity - 0.8).abs() < 1e-9)
+    );
+    assert!(middle.iter().any(|[width, _]| (5.0..7.0).contains(width)), "{middle:?}");
+    // From none to one.
+    a.elements.iter_mut().for_each(|e| e.shapes[0].rim = None);
+    let middle = rims(&between(&a, &b, 0.5));
+    assert!(middle.iter().any(|[_, opacity]| (0.2..0.6).contains(opacity)), "{middle:?}");
+    assert_eq!(rims(&between(&a, &b, 1e-6)).len(), 0);
 }

@@ -12,7 +12,7 @@ use super::ring::{Ring, sine_cosine, turned};
 use super::side::{CentredInstance, Side, same};
 use vtex_base::geometry::{Affine, Outline, Point, Vec2};
 use vtex_base::sampling::Stream;
-use vtex_scene::element::Ellipse;
+use vtex_scene::element::{Ellipse, SoftRim};
 use vtex_scene::scene::{Element, Instance, InstanceId, LibraryId, Scene, Shape};
 
 /// Duration in which an unmatched texton vanishes or appears, as a share of the whole time.
@@ -257,7 +257,13 @@ impl MatchedTextons {
             Some((ellipse, _)) => Shape::soft_along(&outline, paint.colour, ellipse.profile)?,
             None => Shape { gradient: paint.gradient.map(Box::new), ..Shape::new(outline, paint.colour) },
         };
-        let base = Shape { opacity: opacities[0] + (opacities[1] - opacities[0]) * t, ..base };
+        let rims = [0, 1].map(|side| {
+            let rim = ends.scenes[side].element(instances[side]).base().rim.as_ref()?;
+            Some(rim.moved(instances[side].affine()))
+        });
+        let rim = SoftRim::mixed(rims[0].as_ref(), rims[1].as_ref(), t);
+        let rim = rim.filter(|_| !base.is_soft()).map(Box::new);
+        let base = Shape { opacity: opacities[0] + (opacities[1] - opacities[0]) * t, rim, ..base };
         let element = Element {
             library: ends.libraries[side][nearer.library.index()],
             source: nearer.source,

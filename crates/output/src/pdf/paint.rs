@@ -23,6 +23,14 @@ pub(super) fn set_opacity(content: &mut ContentStream, file: &mut File, opacity:
     content.set_opacity(file.add(object + ">>"));
 }
 
+/// Makes later lines translucent.
+pub(super) fn set_line_opacity(content: &mut ContentStream, file: &mut File, opacity: f64) {
+    let mut object = String::from("<</Type /ExtGState/CA ");
+    numbers(&mut object, [opacity], SHARE);
+    object.pop();
+    content.set_opacity(file.add(object + ">>"));
+}
+
 /// Masks later painting by the luminosity of `mask`, a form that is a group.
 pub(super) fn set_mask(content: &mut ContentStream, file: &mut File, mask: Ref) {
     let object = format!("<</Type /ExtGState/SMask <</Type /Mask/S /Luminosity/G {mask}>>>>");

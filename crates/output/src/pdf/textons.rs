@@ -2,7 +2,7 @@
 
 use super::content::ContentStream;
 use super::file::{File, Ref};
-use super::paint::{set_gradient, set_opacity};
+use super::paint::{set_gradient, set_line_opacity, set_opacity};
 use super::{is_empty, is_seen};
 use crate::shadow::{self, Shadows};
 use std::collections::BTreeMap;
@@ -129,6 +129,8 @@ impl<'a> PdfTextons<'a> {
         paint(element, key.1, &mut content, file, &mut self.brushes)?;
         let bounds =
             union(element.shapes.iter().filter(|shape| !shape.is_soft()).map(|shape| &shape.outline));
+        let beyond = element.base().rim.as_ref().map_or(0.0, |rim| rim.width / 2.0);
+        let bounds = bounds.inflate(beyond, beyond);
         let form = content.form(file, bounds)?;
         self.defined.insert(key, form);
         Ok(form)
@@ -222,6 +224,14 @@ fn paint(
                 c.fill(&shape.outline);
                 Ok(())
             })?;
+        }
+    }
+    if let Some(rim) = element.base().rim.as_ref().filter(|_| !is_empty(&element.base().outline)) {
+        for [width, opacity] in rim.strokes() {
+            content.within(|c| {
+                set_line_opacity(c, file, opacity);
+                c.stroke(&element.base().outline, rim.colour, width);
+            });
         }
     }
     Ok(())

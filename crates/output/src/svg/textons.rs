@@ -12,7 +12,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::io::{self, Write};
 use vtex_base::geometry::{Affine, Outline, PathText, Rect, Vec2, write_path};
 use vtex_base::raster::colour::Colour;
-use vtex_scene::element::{Cap, Join, Line};
+use vtex_scene::element::{Cap, Join, Line, SoftRim};
 use vtex_scene::scene::{
     CategoryId, Element, ElementId, Gradient, Instance, LibraryId, Scene, Shadow, Shape, Stroke,
 };
@@ -58,6 +58,15 @@ enum PathId {
     Nothing,
 }
 
+/// Where the fill of a path is stated.
+#[derive(Clone, Copy, PartialEq)]
+enum FillPlace {
+    /// On the path.
+    Path,
+    /// On a group around it, so that references to the path may have another.
+    Group,
+}
+
 /// The paint of an element's outline.
 #[derive(Clone, Copy)]
 enum Base<'a> {
@@ -84,8 +93,7 @@ impl<'a> SvgTextons<'a> {
         bleed: f64,
     ) -> Self {
         // A stroked path keeps its paint, unless an instance has a colour of its own.
-        let inherits =
-            scene.elements.iter().map(|t| t.details().is_empty() && t.base().line.is_none()).collect();
+        let inherits = scene.elements.iter().map(|t| is_bare(t) && t.base().line.is_none()).collect();
         let bounds =
             if scene.tile.any() { scene.elements.iter().map(Element::bounds).collect() } else { Vec::new() };
         let shared = vec![false; scene.elements.len()];
@@ -137,7 +145,7 @@ impl<'a> SvgTextons<'a> {
             |(element, &uses): (&Element, &usize)| uses > 1 && !expand && !element.base().is_soft();
         textons.shared = scene.elements.iter().zip(&uses).map(is_shared).collect();
         let with_line =
-            |(i, asked): (usize, bool)| asked && textons.shared[i] && !scene.elements[i].details().is_empty();
+            |(i, asked): (usize, bool)| asked && textons.shared[i] && !is_bare(&scene.elements[i]);
         textons.outlined = outlined.into_iter().enumerate().map(with_line).collect();
         let many = shadow_uses.into_iter().filter(|(_, n)| *n > 1 && !expand);
         let mut numbers: BTreeMap<ElementId, u32> = BTreeMap::new();
@@ -203,7 +211,7 @@ impl<'a> SvgTextons<'a> {
                 xml.line();
             }
             let before = xml.drawn();
-            if element.details().is_empty() && self.inherits[i] {
+            if is_bare(element) && self.inherits[i] {
                 xml.open("path");
                 xml.attribute("id", id);
                 write_opacity(xml, element.base());
@@ -241,10 +249,10 @@ impl<'a> SvgTextons<'a> {
         }
     }
 
-    /// The single colour of a placed texton; `None` if it has details or a gradient, or is soft.
+    /// The single colour of a placed texton; `None` if it has details, a rim or a gradient, or is soft.
     pub(super) fn fill(&self, instance: &Instance) -> Option<Colour> {
         let element = self.scene.element(instance);
-        let one = element.details().is_empty()
+        let one = is_bare(element)
             && !element.base().is_soft()
             && (element.base().gradient.is_none() || instance.colour.is_some());
         one.then(|| instance.colour.unwrap_or(element.base().colour))
@@ -393,13 +401,15 @@ impl<'a> SvgTextons<'a> {
     ) -> io::Result<()> {
         let element = &self.scene.elements[index];
         let is_clipped = element.details().iter().any(Shape::is_soft);
+        let rim = element.base().rim.as_deref();
         let id = match affine {
             Some(_) => PathId::Source(index),
             // A definition has its id already.
-            None if is_clipped => PathId::Base(index),
+            None if is_clipped || rim.is_some() => PathId::Base(index),
             None => PathId::Nothing,
         };
-        self.write_filled(xml, element.base(), base, affine, id)?;
+        let place = if rim.is_some() && !self.expand { FillPlace::Group } else { FillPlace::Path };
+        self.write_filled(xml, element.base(), (base, place), affine, id)?;
         let clip = is_clipped.then(|| self.write_clip(xml, index, affine)).transpose()?;
         for run in element.details().chunk_by(|a, b| a.is_soft() == b.is_soft()) {
             if let Some(clip) = clip.filter(|_| run[0].is_soft()) {
@@ -416,10 +426,47 @@ impl<'a> SvgTextons<'a> {
             }
             for shape in run {
                 let fill = Base::new((shape.colour, shape.gradient.as_deref()));
-                self.write_filled(xml, shape, fill, affine, PathId::Nothing)?;
+                self.write_filled(xml, shape, (fill, FillPlace::Path), affine, PathId::Nothing)?;
             }
         }
-        Ok(())
+        rim.map_or(Ok(()), |rim| self.write_rim(xml, index, rim, affine))
+    }
+
+    /// The strokes of a soft rim along an element's first shape, moved by `affine`.
+    fn write_rim<W: Write>(
+        &self,
+        xml: &mut Xml<W>,
+        index: usize,
+        rim: &SoftRim,
+        affine: Option<Affine>,
+    ) -> io::Result<()> {
+        let size = affine.map_or(1.0, |affine| libm::sqrt(affine.determinant().abs()));
+        xml.open("g");
+        xml.attribute("class", "rim");
+        xml.attribute("fill", "none");
+        xml.attribute("stroke", HexColour(rim.colour));
+        xml.attribute("stroke-linejoin", "round");
+        for [width, opacity] in rim.strokes() {
+            xml.open(if self.expand { "path" } else { "use" });
+            if !self.expand {
+                xml.attribute("xlink:href", format_args!("#{}", self.base_id(index, affine)));
+                xml.follow(ViewerLoad { elements: 1, references: 0 });
+            }
+            xml.attribute("stroke-width", Number(width * size, 2));
+            xml.attribute("stroke-opacity", Number(opacity, 2));
+            if self.expand {
+                xml.attribute("d", self.data(&self.scene.elements[index].base().outline, affine));
+            }
+            xml.close()?;
+        }
+        xml.close()
+    }
+
+    /// The id of an element's first path: that of the element where it is written in place, moved by `affine`, or its own
+    /// in a definition.
+    fn base_id(&self, index: usize, affine: Option<Affine>) -> String {
+        let suffix = if affine.is_some() { "" } else { "b" };
+        format!("{}{suffix}", self.ids[index])
     }
 
     /// The clip path of an element's soft ellipses: its first shape. Gives its number.
@@ -437,9 +484,8 @@ impl<'a> SvgTextons<'a> {
             xml.open("path");
             xml.attribute("d", self.data(&self.scene.elements[index].base().outline, affine));
         } else {
-            let suffix = if affine.is_some() { "" } else { "b" };
             xml.open("use");
-            xml.attribute("xlink:href", format_args!("#{}{suffix}", self.ids[index]));
+            xml.attribute("xlink:href", format_args!("#{}", self.base_id(index, affine)));
             xml.follow(ViewerLoad { elements: 1, references: 0 });
         }
         xml.close()?;
@@ -453,7 +499,7 @@ impl<'a> SvgTextons<'a> {
         &self,
         xml: &mut Xml<W>,
         shape: &Shape,
-        fill: Base<'_>,
+        (fill, place): (Base<'_>, FillPlace),
         affine: Option<Affine>,
         path_id: PathId,
     ) -> io::Result<()> {
@@ -467,11 +513,10 @@ impl<'a> SvgTextons<'a> {
                 id = Some(number);
             }
         }
-        xml.open("path");
-        match path_id {
-            PathId::Source(index) => self.write_source(xml, index),
-            PathId::Base(index) => xml.attribute("id", format_args!("{}b", self.ids[index])),
-            PathId::Nothing => (),
+        let in_group = place == FillPlace::Group;
+        xml.open(if in_group { "g" } else { "path" });
+        if !in_group {
+            self.write_path_id(xml, path_id);
         }
         // A shape that takes its paint from elsewhere is filled.
         let line = shape.line.as_ref().filter(|_| !matches!(fill, Base::Inherited));
@@ -483,6 +528,10 @@ impl<'a> SvgTextons<'a> {
             }
             (Base::Inherited, None) => (),
         }
+        if in_group {
+            xml.open("path");
+            self.write_path_id(xml, path_id);
+        }
         match line {
             Some(line) => self.write_line(xml, line, shape.opacity, affine),
             None => {
@@ -490,7 +539,19 @@ impl<'a> SvgTextons<'a> {
                 xml.attribute("d", self.data(&shape.outline, affine));
             }
         }
+        if in_group {
+            xml.close()?;
+        }
         xml.close()
+    }
+
+    /// What a path's id states of its source.
+    fn write_path_id<W: Write>(&self, xml: &mut Xml<W>, path_id: PathId) {
+        match path_id {
+            PathId::Source(index) => self.write_source(xml, index),
+            PathId::Base(index) => xml.attribute("id", format_args!("{}b", self.ids[index])),
+            PathId::Nothing => (),
+        }
     }
 
     /// All attributes of a stroked path but its paint.
@@ -569,6 +630,11 @@ impl<'a> SvgTextons<'a> {
             }
         }
     }
+}
+
+/// Whether an element is its first shape alone.
+fn is_bare(element: &Element) -> bool {
+    element.details().is_empty() && element.base().rim.is_none()
 }
 
 /// The opacity of a shape, if it is not opaque.

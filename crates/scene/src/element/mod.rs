@@ -8,6 +8,7 @@ mod ellipse;
 mod gaussian;
 mod gradient;
 mod line;
+mod rim;
 mod shape;
 mod similar;
 #[cfg(test)]
@@ -21,6 +22,7 @@ pub use gaussian::ROUND;
 pub use gradient::{Gradient, GradientKind, Stop};
 pub use line::stroked;
 pub use line::{Cap, Join, Line};
+pub use rim::SoftRim;
 pub use shape::Shape;
 pub use similar::{SimilarTo, classes};
 
@@ -137,7 +139,8 @@ pub(crate) fn deserialize_shapes<'de, D: Deserializer<'de>>(deserializer: D) -> 
 pub fn bounds(shapes: &[Shape]) -> Rect {
     let Some((first, details)) = shapes.split_first() else { return Rect::default() };
     let hard = details.iter().filter(|s| !s.is_soft()).map(|s| s.outline.bounds());
-    hard.fold(first.outline.bounds(), |sum, next| sum.union(next))
+    let beyond = first.rim.as_ref().map_or(0.0, |rim| rim.width / 2.0);
+    hard.fold(first.outline.bounds().inflate(beyond, beyond), |sum, next| sum.union(next))
 }
 
 /// The outline of an element as a whole: its silhouette if it has one of its own, else the outline of
@@ -153,6 +156,9 @@ pub(crate) fn fault(shapes: &[Shape]) -> Option<String> {
     }
     if shapes[0].is_soft() && shapes.len() > 1 {
         return Some("has shapes on a soft ellipse".into());
+    }
+    if shapes[1..].iter().any(|shape| shape.rim.is_some()) {
+        return Some("has a rim that is not along its first shape".into());
     }
     shapes.iter().enumerate().find_map(|(i, shape)| Some(format!("shapes[{i}]: {}", shape.fault()?)))
 }

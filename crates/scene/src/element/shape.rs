@@ -1,6 +1,6 @@
 //! Shapes and their paint.
 
-use super::{Ellipse, Gradient, Line, Profile};
+use super::{Ellipse, Gradient, Line, Profile, SoftRim};
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::ser::SerializeStruct;
@@ -30,6 +30,8 @@ pub struct Shape {
     pub gradient: Option<Box<Gradient>>,
     /// Opacity, 0 to 1. Default 1.
     pub opacity: f64,
+    /// The soft rim of the element of which this is the first shape, a filled outline. Few have one.
+    pub rim: Option<Box<SoftRim>>,
 }
 
 /// A shape as files hold it: with an outline, a line or an ellipse.
@@ -55,6 +57,9 @@ struct StoredShape {
     /// Opacity, 0 to 1. Default 1.
     #[serde(default = "opaque")]
     opacity: f64,
+    /// The soft rim of the element of which this is the first shape, a filled outline. Default none.
+    #[serde(default)]
+    rim: Option<Box<SoftRim>>,
 }
 
 fn opaque() -> f64 {
@@ -65,7 +70,7 @@ impl TryFrom<StoredShape> for Shape {
     type Error = String;
 
     fn try_from(stored: StoredShape) -> Result<Self, String> {
-        let StoredShape { outline, line, ellipse, colour, gradient, opacity } = stored;
+        let StoredShape { outline, line, ellipse, colour, gradient, opacity, rim } = stored;
         let outline = match (outline, &line, &ellipse) {
             (Some(outline), None, None) => outline,
             (None, Some(line), None) => match line.fault() {
@@ -78,14 +83,15 @@ impl TryFrom<StoredShape> for Shape {
             },
             _ => return Err("a shape has an outline, a line or an ellipse".into()),
         };
-        Ok(Self { outline, line, ellipse, colour, gradient, opacity })
+        Ok(Self { outline, line, ellipse, colour, gradient, opacity, rim })
     }
 }
 
 impl Serialize for Shape {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let opacity = (self.opacity != opaque()).then_some(self.opacity);
-        let count = 2 + usize::from(self.gradient.is_some()) + usize::from(opacity.is_some());
+        let more = [self.gradient.is_some(), opacity.is_some(), self.rim.is_some()];
+        let count = 2 + more.into_iter().filter(|has| *has).count();
         let mut shape = serializer.serialize_struct("Shape", count)?;
         match (&self.line, &self.ellipse) {
             (Some(line), _) => shape.serialize_field("line", line)?,
@@ -101,6 +107,10 @@ impl Serialize for Shape {
             Some(opacity) => shape.serialize_field("opacity", &opacity)?,
             None => shape.skip_field("opacity")?,
         }
+        match &self.rim {
+            Some(rim) => shape.serialize_field("rim", rim)?,
+            None => shape.skip_field("rim")?,
+        }
         shape.end()
     }
 }
@@ -108,7 +118,7 @@ impl Serialize for Shape {
 impl Shape {
     /// An opaque filled shape of one colour.
     pub fn new(outline: Outline, colour: Colour) -> Self {
-        Self { outline, line: None, ellipse: None, colour, gradient: None, opacity: opaque() }
+        Self { outline, line: None, ellipse: None, colour, gradient: None, opacity: opaque(), rim: None }
     }
 
     /// An opaque stroked path of one colour; `None` if its outline leaves the permitted coordinates, or its
@@ -143,6 +153,7 @@ impl Shape {
             line: self.line.as_ref().and_then(|line| line.moved(affine)).map(Box::new),
             ellipse: self.ellipse.as_ref().and_then(|ellipse| ellipse.moved(affine)).map(Box::new),
             gradient: self.gradient.as_ref().map(|g| Box::new(g.moved(affine))),
+            rim: self.rim.as_ref().map(|rim| Box::new(rim.moved(affine))),
             ..*self
         }
     }
@@ -157,7 +168,14 @@ impl Shape {
         let soft = self.ellipse.as_ref().and_then(|e| Self::soft_along(&outline, self.colour, e.profile));
         match soft {
             Some(soft) => Self { opacity: self.opacity, ..soft },
-            None => Self { outline, line: None, ellipse: None, gradient: self.gradient.clone(), ..*self },
+            None => Self {
+                outline,
+                line: None,
+                ellipse: None,
+                gradient: self.gradient.clone(),
+                rim: self.rim.clone(),
+                ..*self
+            },
         }
     }
 
@@ -166,6 +184,7 @@ impl Shape {
         Self {
             colour: new(self.colour),
             gradient: self.gradient.as_ref().map(|g| Box::new(g.recoloured(&new))),
+            rim: self.rim.as_ref().map(|rim| Box::new(SoftRim { colour: new(rim.colour), ..**rim })),
             ..self.clone()
         }
     }
@@ -183,6 +202,14 @@ impl Shape {
         }
         if let Some(fault) = self.ellipse.as_ref().and_then(|ellipse| ellipse.fault()) {
             return Some(fault);
+        }
+        if let Some(rim) = &self.rim {
+            if self.ellipse.is_some() || self.line.is_some() {
+                return Some("a rim is not along a filled outline".into());
+            }
+            if let Some(fault) = rim.fault() {
+                return Some(fault);
+            }
         }
         Some(format!("a gradient {}", self.gradient.as_ref()?.fault()?))
     }

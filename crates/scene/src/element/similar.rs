@@ -8,10 +8,10 @@ use vtex_base::geometry::{Affine, BezPath, PathEl, Point};
 const MOST_STARTS: usize = 64;
 
 /// The angle-preserving map from one list of shapes to another with the same paints, exact to `tolerance`
-/// pixels; `None` if there is none. Gradients are not compared: shapes with gradients are never similar.
+/// pixels; `None` if there is none. Gradients and rims are not compared: shapes with these are never similar.
 fn similarity(from: &[Shape], to: &[Shape], tolerance: f64) -> Option<Affine> {
     let paint = |(a, b): (&Shape, &Shape)| {
-        let plain = a.gradient.is_none() && b.gradient.is_none();
+        let plain = [a, b].iter().all(|s| s.gradient.is_none() && s.rim.is_none());
         let kind = |s: &Shape| (s.line.is_some(), s.ellipse.as_ref().map(|ellipse| ellipse.profile));
         plain && a.colour == b.colour && a.opacity == b.opacity && kind(a) == kind(b)
     };

@@ -76,6 +76,29 @@ fn the_outline_of_a_line_is_the_area_that_it_paints() {
 }
 
 #[test]
+fn a_rim_goes_with_its_shape() {
+    let outline = Outline::new(&parse_path("M0 0h8v4h-8z").unwrap()).unwrap();
+    let rim = SoftRim { width: 2.0, colour: Colour([90; 3]), opacity: 0.8 };
+    let shape = Shape { rim: Some(Box::new(rim)), ..Shape::new(outline.clone(), Colour([1; 3])) };
+    let text = serde_json::to_string(&shape).unwrap();
+    assert!(text.ends_with(r##""rim":{"width":2.0,"colour":"#5a5a5a","opacity":0.8}}"##), "{text}");
+    assert_eq!(again(&shape), shape);
+    assert_eq!(bounds(std::slice::from_ref(&shape)), outline.bounds().inflate(1.0, 1.0));
+    let twice = shape.moved(Affine::scale(2.0));
+    assert_eq!(twice.rim, Some(Box::new(SoftRim { width: 4.0, ..rim })));
+    assert_eq!(shape.with_outline(twice.outline).rim, shape.rim);
+    assert_eq!(shape.recoloured(|_| Colour([7; 3])).rim.unwrap().colour, Colour([7; 3]));
+    // Along the first shape only, if that is filled.
+    assert_eq!(fault(&[shape.clone(), Shape::new(outline.clone(), Colour([2; 3]))]), None);
+    let below = fault(&[Shape::new(outline, Colour([2; 3])), shape.clone()]);
+    assert!(below.is_some_and(|f| f.contains("not along its first shape")));
+    let line = Shape::stroked(Line::new(curve("M0 0h20"), 2.0), Colour([0; 3])).unwrap();
+    assert!(fault(&[Shape { rim: shape.rim.clone(), ..line }]).is_some_and(|f| f.contains("filled outline")));
+    let wide = Shape { rim: Some(Box::new(SoftRim { width: 0.0, ..rim })), ..shape };
+    assert!(fault(&[wide]).is_some_and(|f| f.contains("the width of a rim")));
+}
+
+#[test]
 fn what_is_neither_or_both_is_refused() {
     let read = |text: &str| serde_json::from_str::<Shape>(text).map_err(|e| e.to_string()).unwrap_err();
     for text in [

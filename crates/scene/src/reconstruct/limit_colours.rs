@@ -30,11 +30,11 @@ fn distance(a: Colour, b: Colour) -> f64 {
     f64::from(squared_distance(a.to_oklab(), b.to_oklab()))
 }
 
-/// Reduces a scene to at most `most` flat colours. Each field becomes one colour, and gradients are
-/// removed. Colours are merged at the least cost, by distance in Oklab and by area.
+/// Reduces a scene to at most `most` flat colours. Each field becomes one colour, and gradients and soft
+/// rims are removed. Colours are merged at the least cost, by distance in Oklab and by area.
 pub(super) fn limit_colours(scene: &mut Scene, most: usize) {
     for shape in scene.elements.iter_mut().flat_map(|e| &mut e.shapes) {
-        shape.gradient = None;
+        (shape.gradient, shape.rim) = (None, None);
     }
     for field in scene.layers.iter_mut().filter_map(|l| l.field.as_mut()).filter(|f| !f.points.is_empty()) {
         let count = field.points.len() as f64;

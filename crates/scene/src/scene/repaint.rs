@@ -19,8 +19,9 @@ impl Repaint {
         }
         let element = &elements[instance.element.index()];
         let shaded = instance.colour.is_none() && element.base().gradient.is_some();
+        let is_plain = element.details().is_empty() && element.base().rim.is_none();
         let own = instance.colour.unwrap_or(element.base().colour);
-        if element.details().is_empty() && !shaded {
+        if is_plain && !shaded {
             instance.colour = Some(map.of(own));
             return;
         }

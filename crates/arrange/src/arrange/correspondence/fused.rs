@@ -185,10 +185,11 @@ impl<'a> PlacedPart<'a> {
         })
     }
 
-    /// A shape of the primary with another outline.
+    /// A shape of the primary with another outline, without a soft rim: where it is cut off, nothing is out of focus.
     fn painted(&self, shape: &Shape, outline: Outline) -> Shape {
         Shape {
             gradient: shape.gradient.as_ref().map(|g| Box::new(g.moved(self.to_place))),
+            rim: None,
             ..shape.with_outline(outline)
         }
     }
