@@ -59,12 +59,24 @@ fn synthesized(
     memory: Option<&PagesMemory>,
     progress: &dyn Progress,
 ) -> Result<(Scene, SynthReport)> {
-    let (scene, report) = made(libraries, params, controls, memory, progress)?;
+    let kept = excluding(libraries, &params.exclude, progress);
+    let (scene, report) = made(kept.as_deref().unwrap_or(libraries), params, controls, memory, progress)?;
     let scene = match &controls.context {
         Some(context) => with_drawing(scene, &context.drawing),
         None => scene,
     };
     Ok((scene, report))
+}
+
+/// The libraries without the categories of some names; `None` if all stay as they are.
+fn excluding(libraries: &[Library], names: &[String], progress: &dyn Progress) -> Option<Vec<Library>> {
+    let known: Vec<String> = libraries.iter().flat_map(Library::category_names).collect();
+    for name in names.iter().filter(|name| !known.contains(name)) {
+        progress.warn(&format!("there is no category '{name}' to exclude"));
+    }
+    let is_known = names.iter().any(|name| known.contains(name));
+    let kept = |library: &Library| library.excluding(names).unwrap_or_else(|| library.clone());
+    is_known.then(|| libraries.iter().map(kept).collect())
 }
 
 /// The scene without the drawing that it may be made beside.

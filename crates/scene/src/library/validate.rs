@@ -69,6 +69,13 @@ pub(super) fn validate(l: &Library) -> Result<(), String> {
     validate_layers(l)?;
     super::motif::validate(l)?;
     for (i, c) in l.categories.iter().enumerate() {
+        if c.name.is_some() != l.categories[0].name.is_some() {
+            return Err(format!("categories[{i}] and categories[0] do not both have a name"));
+        }
+        let is_taken = |name: &String| l.categories[..i].iter().any(|other| other.name.as_ref() == Some(name));
+        if c.name.as_ref().is_some_and(|name| name.is_empty() || is_taken(name)) {
+            return Err(format!("categories[{i}].name is empty or taken"));
+        }
         share(&format!("categories[{i}].coverage"), c.coverage)?;
         if !c.centre.iter().all(|v| v.is_finite()) {
             return Err(format!("categories[{i}].centre is not finite"));

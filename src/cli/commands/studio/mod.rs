@@ -1,6 +1,7 @@
 //! `vtex studio`: a page on one's own machine, to see, mend, steer, change and save a texture.
 
 mod calls;
+mod categories;
 mod command_lines;
 mod drawing;
 mod follower;
