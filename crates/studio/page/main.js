@@ -89,11 +89,16 @@ function showProgress() {
   document.body.dataset.ready = String(ready());
 }
 
+/** What was warned about in the last state. */
+let warned = [];
+
 function showMessages(work) {
   if (state.fault) notice(state.fault.error, { hint: state.fault.hint, fault: true, key: "fault" });
   else forget("fault");
   if (work.notKept) notice(work.notKept, { fault: true, key: "kept" });
   else forget("kept");
+  for (const text of state.warnings.filter(text => !warned.includes(text))) notice(text, { key: text });
+  warned = state.warnings;
   if (work.restored && !showMessages.told?.has(work.id)) {
     (showMessages.told ??= new Set()).add(work.id);
     notice(`The work of last time goes on: ${work.keptIn}`, { hint: "Save has a button to begin anew.", key: "restored" });
@@ -148,9 +153,9 @@ function loadPictures(work) {
   const categories = `${found} ${work.analysis?.version}`;
   if (work.elements && shown.elements !== categories) {
     shown.elements = categories;
-    askJson("elements").then(({ version, size, outlines, places, categories }) => {
+    askJson("elements").then(({ version, size, outlines, places, names, categories }) => {
       if (version !== view.elements.version) { view.selected.clear(); view.hovered = -1; }
-      view.elements = { version, size, places, paths: outlines.map(path => new Path2D(path)), categories };
+      view.elements = { version, size, places, paths: outlines.map(path => new Path2D(path)), names, categories };
       mend.show(state.work);
       view.draw();
     }, () => { shown.elements = ""; });

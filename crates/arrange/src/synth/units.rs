@@ -199,6 +199,48 @@ mod tests {
     use vtex_scene::library::testing::{guided, mosaic};
 
     #[test]
+    fn excluded_categories_are_not_placed_and_others_cover_as_much() {
+        struct Warnings(std::sync::Mutex<Vec<String>>);
+        impl Progress for Warnings {
+            fn warn(&self, message: &str) {
+                self.0.lock().unwrap().push(message.into());
+            }
+        }
+        let whole = guided(&mosaic(140, 14.0, 0.6, 2));
+        let names = whole.category_names();
+        for method in [Method::Correspondence, Method::Descriptor] {
+            let params = |exclude: &[String]| {
+                let exclude = exclude.to_vec();
+                SynthParams { width: 200, height: 160, seed: 3, method, exclude, ..SynthParams::default() }
+            };
+            let made = |exclude: &[String], progress: &dyn Progress| {
+                let libraries = std::slice::from_ref(&whole);
+                synthesize_with(libraries, &params(exclude), &Controls::default(), progress).unwrap()
+            };
+            let (scene, report) = made(&names[1..2], &());
+            assert_eq!((scene.validate(), &scene.parameters.as_ref().unwrap().exclude[..]), (Ok(()), &names[1..2]));
+            let placed = |category: usize| {
+                let of = |i: &&_| scene.element(i).category.is_some_and(|c| c.index() == category);
+                scene.primary().iter().filter(of).count()
+            };
+            assert!(placed(1) == 0 && placed(0) > 5 && placed(2) > 5, "{method:?}");
+            let [first, second, third] = [0, 1, 2].map(|c| &report.categories[c]);
+            assert_eq!((second.wanted, second.got), (0.0, 0.0));
+            for category in [first, third] {
+                assert!((category.got / category.wanted - 1.0).abs() < 0.25, "{method:?}: {category:?}");
+            }
+            // A name that no category has changes nothing, and is told.
+            let warnings = Warnings(Default::default());
+            let (plain, _) = made(&[], &());
+            let (other, _) = made(&["no such".into()], &warnings);
+            assert_eq!(other.elements, plain.elements);
+            assert_eq!(*warnings.0.lock().unwrap(), ["there is no category 'no such' to exclude"]);
+            let (empty, _) = made(&names, &());
+            assert!(empty.primary().is_empty());
+        }
+    }
+
+    #[test]
     fn a_scene_does_not_depend_on_what_was_made_before() {
         let libraries = [1, 2].map(|seed| [guided(&mosaic(120, 14.0, 0.6, seed))]);
         let memory = SynthesisMemory::default();
