@@ -148,9 +148,10 @@ export class View {
     const [w, h] = texture.size;
     this.paintGround(width, height);
     if (texture.draft) {
-      context.globalAlpha = 0.9;
-      context.drawImage(texture.image, (width - w) / 2, (height - h) / 2, w, h);
+      context.globalAlpha = 0.35;
+      if (texture.around) context.drawImage(texture.around, 0, 0, width, height);
       context.globalAlpha = 1;
+      context.drawImage(texture.image, (width - w) / 2, (height - h) / 2, w, h);
       return;
     }
     const count = this.tiles && this.mode === "texture" ? 3 : 1;

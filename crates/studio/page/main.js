@@ -77,13 +77,20 @@ function ready() {
   return Boolean(texture && !texture.draft && !state.busy && !state.rests && !state.fault);
 }
 
+/** What tells the texture that there is from others. */
+function textureKey() {
+  const { work } = state;
+  return work?.texture ? `${work.id} ${work.texture.number}` : "";
+}
+
 function showProgress() {
   find("cancel").hidden = !state.busy;
   find("resume").hidden = !state.rests;
   find("progress").hidden = !state.busy;
   find("save-now").disabled = !ready();
   const stage = find("stage");
-  if (!state.busy) stage.textContent = state.rests ? "Stopped" : state.fault ? "It could not be made" : ready() ? "Ready" : "";
+  const isDrawn = document.body.dataset.drawn === textureKey();
+  if (!state.busy) stage.textContent = state.rests ? "Stopped" : state.fault ? "It could not be made" : !ready() ? "" : isDrawn ? "Ready" : "Drawing…";
   else if (!stage.dataset.busy) stage.textContent = "Working…";
   stage.dataset.busy = state.busy ? "1" : "";
   document.body.dataset.ready = String(ready());
@@ -141,6 +148,7 @@ function loadPictures(work) {
     shown.photograph = of;
     Object.assign(view, { photograph: null, redrawn: null, texture: null, fitted: true });
     view.selected.clear();
+    view.tiles = find("tiles").checked = false;
     Object.assign(shown, { redrawn: "", texture: "", elements: "" });
     if (work.size) picture({ of: "photograph" }).then(image => { view.photograph = { image, size: work.size }; view.fitted ? view.fit() : view.draw(); }, () => { shown.photograph = ""; });
   }
@@ -171,7 +179,7 @@ function loadTexture() {
   const wanted = view.zoom * (devicePixelRatio || 1);
   const fine = [0.5, 1, 2, 4].find(step => step >= wanted * 0.8) ?? 4;
   const scale = texture.draft ? Math.min(1, fine) : fine;
-  const base = `${state.work.id} ${texture.number}`;
+  const base = textureKey();
   const key = `${base} ${scale}`;
   if (shown.texture === key || (view.texture?.key === base && view.texture.scale >= scale)) return;
   shown.texture = key;
@@ -179,8 +187,12 @@ function loadTexture() {
   drawing = new AbortController();
   picture({ of: "texture", number: texture.number, scale }, drawing.signal).then(image => {
     const size = [texture.width, texture.height];
-    view.texture = { image, size, whole: texture.whole, draft: texture.draft, scale, key: base };
+    // Around a draft stands the last whole texture, if it has the same size.
+    const { texture: last } = view;
+    const around = texture.draft && last?.whole.join() === texture.whole.join() ? last.draft ? last.around : last.image : null;
+    view.texture = { image, size, whole: texture.whole, draft: texture.draft, around, scale, key: base };
     document.body.dataset.drawn = base;
+    showProgress();
     if (view.fitted) view.fit(); else view.draw();
   }, error => { if (error.name !== "AbortError") shown.texture = ""; });
 }
@@ -285,7 +297,13 @@ find("zoom-in").addEventListener("click", () => view.scale(1.25));
 find("zoom-out").addEventListener("click", () => view.scale(0.8));
 find("zoom-one").addEventListener("click", () => view.scale(1 / view.zoom));
 find("zoom-fit").addEventListener("click", () => view.fit());
-find("tiles").addEventListener("change", event => { view.tiles = event.target.checked; view.fit(); });
+find("tiles").addEventListener("change", event => {
+  view.tiles = event.target.checked;
+  view.fit();
+  const tiles = state.work?.texture?.tiles ?? [];
+  if (view.tiles && !tiles.every(Boolean)) notice("Copies of this texture meet in a seam.", { hint: state.work.kind === "scene" ? undefined : "Set Tile to both, under Steer, for a texture that repeats.", key: "seam" });
+  else forget("seam");
+});
 find("split").addEventListener("input", event => { view.split = event.target.value / 100; view.draw(); });
 for (const input of document.getElementsByName("view")) input.addEventListener("change", () => setView(input.value));
 
