@@ -219,7 +219,7 @@ fn categories_are_renamed_merged_filled_and_left_out() {
     assert!(lines[1].contains("--exclude=Kies"), "{lines:?}");
     let texture = &page.made()["texture"]["categories"];
     assert!(texture.as_array().unwrap().iter().all(|c| c["name"] != "Kies"), "{texture}");
-    for (name, message) in [("a,b", "no commas"), ("", "no name"), (&"x".repeat(61), "no name")] {
+    for (name, message) in [("a,b", "hyphens"), ("", "hyphens"), (&"x".repeat(101), "hyphens")] {
         let (_, _, version) = known();
         let wrong = json!({ "version": version, "elements": [0], "name": name }).to_string();
         page.refuses("categorize", wrong.as_bytes(), message);

@@ -115,7 +115,8 @@ pub(super) fn take(
     let means = sums.iter().map(|(sum, members)| (*members > 0.0).then(|| sum.map(|v| v / members)));
     let means: Vec<Option<Features>> = means.collect();
     let nearest = |point: &Features| {
-        let distance = |mean: &Features| (0..5).map(|i| (point[i] - mean[i]) * (point[i] - mean[i])).sum::<f64>();
+        let distance =
+            |mean: &Features| (0..5).map(|i| (point[i] - mean[i]) * (point[i] - mean[i])).sum::<f64>();
         let known = means.iter().enumerate().filter_map(|(c, mean)| Some((c, distance(mean.as_ref()?))));
         known.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(category, _)| category)
     };

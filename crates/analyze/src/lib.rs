@@ -48,9 +48,9 @@ use vtex_base::document::Document as _;
 use vtex_base::error::Result;
 use vtex_base::parallel;
 use vtex_base::progress::{Progress, SideBySide, advance};
-use vtex_base::raster::{LabelMap, Mask};
 use vtex_base::raster::blur::gaussian;
 use vtex_base::raster::picture::outlines;
+use vtex_base::raster::{LabelMap, Mask};
 use vtex_scene::library::{
     Arrangement, Category, CategoryId, ExemplarElement, Guide, Library, Source, SourceKind,
 };
@@ -273,8 +273,7 @@ fn categorise(
     let features: Vec<categories::Features> = primaries.iter().map(features).collect();
     let image_area = f64::from(labels.width) * f64::from(labels.height);
     let names: Vec<&str> = given.iter().map(|category| &category.name[..]).collect();
-    let masks =
-        if given.is_empty() { Vec::new() } else { Mask::all_of_labels(labels, primaries.len() + 1) };
+    let masks = if given.is_empty() { Vec::new() } else { Mask::all_of_labels(labels, primaries.len() + 1) };
     let of: Vec<Option<usize>> = masks.iter().skip(1).map(|mask| GivenCategory::of(mask, given)).collect();
     let (ids, categories) = categories::take((&names, &of), &features, image_area)
         .unwrap_or_else(|| categories::divide(&features, params.categories, image_area, params.seed));

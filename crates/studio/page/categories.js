@@ -48,7 +48,7 @@ export class Categories {
       });
       const dot = make("span", { className: "dot", "aria-hidden": "true" });
       dot.style.background = hue(category);
-      const field = make("input", { type: "text", className: "name", defaultValue: name, maxLength: 60, spellcheck: false, autocomplete: "off", "aria-label": `Name of category ${category + 1}`, title: "Write another name to rename it", "data-key": `name-${category}` });
+      const field = make("input", { type: "text", className: "name", defaultValue: name, maxLength: 100, spellcheck: false, autocomplete: "off", "aria-label": `Name of category ${category + 1}`, title: "Write another name to rename it", "data-key": `name-${category}` });
       field.addEventListener("change", async () => {
         const wanted = field.value.trim();
         const isDone = wanted !== name && await this.put(own, wanted);

@@ -218,7 +218,10 @@ mod tests {
                 synthesize_with(libraries, &params(exclude), &Controls::default(), progress).unwrap()
             };
             let (scene, report) = made(&names[1..2], &());
-            assert_eq!((scene.validate(), &scene.parameters.as_ref().unwrap().exclude[..]), (Ok(()), &names[1..2]));
+            assert_eq!(
+                (scene.validate(), &scene.parameters.as_ref().unwrap().exclude[..]),
+                (Ok(()), &names[1..2])
+            );
             let placed = |category: usize| {
                 let of = |i: &&_| scene.element(i).category.is_some_and(|c| c.index() == category);
                 scene.primary().iter().filter(of).count()

@@ -43,19 +43,18 @@ mod tests {
         let names = whole.category_names();
         assert!(whole.excluding(&["no such".into()]).is_none() && whole.excluding(&[]).is_none());
         let without = whole.excluding(&names[1..2]).unwrap();
-        assert_eq!(
-            (&without.elements, without.category_names()),
-            (&whole.elements, names)
-        );
+        assert_eq!((&without.elements, without.category_names()), (&whole.elements, names));
         let count = whole.primaries().len() + 1;
-        let [before, after] = [&whole, &without].map(|l| Mask::all_of_labels(&l.arrangement.to_labels(), count));
+        let [before, after] =
+            [&whole, &without].map(|l| Mask::all_of_labels(&l.arrangement.to_labels(), count));
         for (k, primary) in whole.primaries().iter().enumerate() {
             let is_out = primary.category.is_some_and(|c| c.index() == 1);
             assert_eq!(after[k + 1], if is_out { Mask::default() } else { before[k + 1].clone() });
         }
         let expected = whole.categories[0].coverage + whole.categories[2].coverage;
         assert!((without.coverage - expected).abs() < 1e-12);
-        let placed = |l: &crate::library::Library| l.layers.iter().map(|layer| layer.instances.len()).sum::<usize>();
+        let placed =
+            |l: &crate::library::Library| l.layers.iter().map(|layer| layer.instances.len()).sum::<usize>();
         assert_eq!(placed(&whole) - placed(&without), whole.categories[1].members as usize);
     }
 }

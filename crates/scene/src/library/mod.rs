@@ -226,8 +226,8 @@ impl ExemplarLayer {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Category {
-    /// The name that a user has given to it: not empty, unlike others'. Either all categories have one or none has;
-    /// then their names are the words for their mean colours.
+    /// The name that a user has given to it: 1 to 100 letters, digits, blanks and hyphens, different from those of
+    /// others. Either all categories have one or none has; then their names are the words for their mean colours.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
     /// Mean of its members' features: red, green, blue (0 to 255), area (pixels of the arrangement), compactness (0 to 1).

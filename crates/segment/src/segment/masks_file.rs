@@ -5,9 +5,9 @@
 
 mod label_png;
 
-use label_png::{read_png, write_png};
 use super::{GivenCategory, ScoredMask, Segmenter};
 use image::RgbImage;
+use label_png::{read_png, write_png};
 #[cfg(feature = "schema")]
 use schemars::{JsonSchema, Schema, schema_for};
 use serde::{Deserialize, Serialize};
@@ -294,8 +294,8 @@ pub fn masks_to_bytes(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::io::Cursor;
     use proptest::prelude::*;
+    use std::io::Cursor;
 
     fn segment(bytes: Vec<u8>, width: u32, height: u32) -> Result<Vec<ScoredMask>> {
         MasksFile::from_bytes(bytes, "m")?.segment(&RgbImage::new(width, height), &())
@@ -385,7 +385,12 @@ mod tests {
         let given = given.map(|(name, mask)| GivenCategory { name: name.into(), mask });
         let bytes = masks_to_bytes(Path::new("a.json"), "studio", 13, 9, &own, &given).unwrap();
         assert_eq!(MasksFile::from_bytes(bytes, "a").unwrap().categories([13, 9]), given);
-        assert!(MasksFile::from_bytes(encode("a.json", &own).unwrap(), "a").unwrap().categories([13, 9]).is_empty());
+        assert!(
+            MasksFile::from_bytes(encode("a.json", &own).unwrap(), "a")
+                .unwrap()
+                .categories([13, 9])
+                .is_empty()
+        );
     }
 
     #[test]

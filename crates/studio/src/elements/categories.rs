@@ -146,12 +146,22 @@ mod tests {
             let (told, found) = changed(elements, name).unwrap();
             assert_eq!((told.as_str(), found), (names, numbers.to_vec()));
         };
-        is(&[1], "stone", r#"moss,stone,clay ["moss", "stone", "stone", "clay"]"#, [Some(0), Some(1), Some(2)]);
+        is(
+            &[1],
+            "stone",
+            r#"moss,stone,clay ["moss", "stone", "stone", "clay"]"#,
+            [Some(0), Some(1), Some(2)],
+        );
         is(&[2], "rock", r#"moss,rock,clay ["moss", "moss", "rock", "clay"]"#, [Some(0), Some(1), Some(2)]);
         is(&[2, 3], "clay", r#"moss,clay ["moss", "moss", "clay", "clay"]"#, [Some(0), None, Some(1)]);
         is(&[0, 1, 3], "all", r#"all,stone ["all", "all", "stone", "all"]"#, [Some(0), Some(1), None]);
-        is(&[0], "new", r#"moss,stone,clay,new ["new", "moss", "stone", "clay"]"#, [Some(0), Some(1), Some(2)]);
-        for (elements, name) in [(&[][..], "a"), (&[9], "a"), (&[0], ""), (&[0], "a,b"), (&[0], " a")] {
+        is(
+            &[0],
+            "new",
+            r#"moss,stone,clay,new ["new", "moss", "stone", "clay"]"#,
+            [Some(0), Some(1), Some(2)],
+        );
+        for (elements, name) in [(&[][..], "a"), (&[9], "a"), (&[0], ""), (&[0], "a,b")] {
             assert!(changed(elements, name).is_err(), "{name}");
         }
     }
@@ -162,7 +172,8 @@ mod tests {
         let mut all = all.with_categories(&found);
         all.mend(&Mending::Delete { elements: vec![0, 3] }).unwrap();
         assert_eq!((all.names.join(","), &all.of[..]), ("moss,stone".into(), &[Some(0), Some(1)][..]));
-        all.mend(&Mending::Draw { path: vec![[32.0, 2.0], [38.0, 2.0], [38.0, 12.0], [32.0, 12.0]] }).unwrap();
+        all.mend(&Mending::Draw { path: vec![[32.0, 2.0], [38.0, 2.0], [38.0, 12.0], [32.0, 12.0]] })
+            .unwrap();
         all.mend(&Mending::Split { element: 0, path: vec![[14.0, 0.0], [14.0, 19.0]] }).unwrap();
         assert_eq!(all.of, [Some(0), Some(1), None, Some(0)]);
         let saved = all.given_categories();

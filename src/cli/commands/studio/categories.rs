@@ -37,7 +37,9 @@ pub(super) fn following(settings: &StudioSettings, before: &[String], after: &[S
     let mut options = settings.options.clone();
     if let Some(names) = options.remove(EXCLUDE) {
         let place = |name: &str| before.iter().position(|known| known == name);
-        let new = |name: &str| place(name).map_or_else(|| Some(name.to_owned()), |k| Some(after[numbers[k]?].clone()));
+        let new = |name: &str| {
+            place(name).map_or_else(|| Some(name.to_owned()), |k| Some(after[numbers[k]?].clone()))
+        };
         let names: Vec<String> = names.split(',').filter_map(new).collect();
         if !names.is_empty() {
             options.insert(EXCLUDE.into(), names.join(","));
@@ -102,7 +104,10 @@ mod tests {
             ]
             .map(operation)
             .to_vec(),
-            options: BTreeMap::from([("exclude".into(), "clay,other".into()), ("tile".into(), "both".into())]),
+            options: BTreeMap::from([
+                ("exclude".into(), "clay,other".into()),
+                ("tile".into(), "both".into()),
+            ]),
             ..StudioSettings::new(None)
         };
         // Stone goes into moss, and clay gets another name.
@@ -115,7 +120,8 @@ mod tests {
         ];
         assert_eq!(followed.operations, expected);
         assert_eq!((&followed.options["exclude"][..], followed.options.len()), ("clay,other", 2));
-        let renamed = following(&settings, &names(&["moss", "stone", "clay"]), &names(&["moss", "stone", "mud"]));
+        let renamed =
+            following(&settings, &names(&["moss", "stone", "clay"]), &names(&["moss", "stone", "mud"]));
         assert_eq!((renamed.operations.len(), &renamed.options["exclude"][..]), (5, "mud,other"));
         let merged = following(&settings, &names(&["moss", "stone", "clay"]), &names(&["moss", "stone"]));
         assert_eq!((merged.operations.len(), &merged.options["exclude"][..]), (4, "other"));

@@ -77,4 +77,3 @@ pub(super) fn write_png(document: &MasksDocument) -> std::result::Result<Vec<u8>
     write(encoder).map_err(|e: png::EncodingError| e.to_string())?;
     Ok(bytes)
 }
-
