@@ -106,7 +106,7 @@ export class Studio {
         const told = await this.page.textContent("#notices");
         throw new Error(`the state does not become so: ${holds}; the page says: ${told || "nothing"}`);
       }
-      await new Promise(done => setTimeout(done, 15));
+      await new Promise(done => setTimeout(done, 40));
     }
   }
 

@@ -23,19 +23,25 @@ try {
   page.on("pageerror", error => faults.push(error.message));
   page.on("console", message => { if (message.type() === "error") faults.push(message.text()); });
   const picture = name => PICTURES ? page.screenshot({ path: join(PICTURES, `firefox-${name}.png`) }) : undefined;
-  const texture = () => page.evaluate(async () => (await (await fetch("api/state")).json()).work?.texture?.number ?? 0);
+  const whole = async () => {
+    const { work } = await (await fetch("api/state")).json();
+    return work?.texture && !work.texture.draft ? work.texture.number : 0;
+  };
+  /** Waits for a whole texture after that of a number, drawn. */
+  const wholeAfter = before => page.waitForFunction(async before => {
+    const { work, busy } = await (await fetch("api/state")).json();
+    return !busy && work.texture && !work.texture.draft && work.texture.number > before
+      && document.body.dataset.ready === "true" && document.body.dataset.drawn === `${work.id} ${work.texture.number}`;
+  }, { timeout: 120_000, polling: 100 }, before);
   const made = async action => {
-    const before = await texture();
+    const before = await page.evaluate(whole);
     await action();
-    await page.waitForFunction(async before => {
-      const { work, busy } = await (await fetch("api/state")).json();
-      return !busy && work.texture && !work.texture.draft && work.texture.number > before
-        && document.body.dataset.ready === "true" && document.body.dataset.drawn === `${work.id} ${work.texture.number}`;
-    }, { timeout: 120_000, polling: 100 }, before);
+    await wholeAfter(before);
   };
 
   // Open: the photograph is seen, then the texture.
-  await made(() => page.goto(address));
+  await page.goto(address);
+  await wholeAfter(0);
   await picture("texture");
   // Look: every view, by keys, and zoom.
   await page.focus("[name=view][value=texture]");

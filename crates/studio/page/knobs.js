@@ -196,8 +196,11 @@ export class Steer {
         old.classList.toggle("set", set);
         const reset = old.querySelector(".head button");
         if (document.activeElement !== reset) reset.hidden = !set;
-        else if (!set) { old.querySelector("input, select").focus(); this.refresh(work); return; }
-        if (!set && document.activeElement.type !== "number" && document.activeElement.type !== "text") continue;
+        else if (!set) {
+          const fresh = this.row(known.get(name), work);
+          old.replaceWith(fresh);
+          fresh.querySelector("input, select").focus();
+        }
         continue;
       }
       const knob = known.get(name);

@@ -149,6 +149,7 @@ function loadPictures(work) {
     Object.assign(view, { photograph: null, redrawn: null, texture: null, fitted: true });
     view.selected.clear();
     view.tiles = find("tiles").checked = false;
+    if (view.pen) paint.take(view.pen);
     Object.assign(shown, { redrawn: "", texture: "", elements: "" });
     if (work.size) picture({ of: "photograph" }).then(image => { view.photograph = { image, size: work.size }; view.fitted ? view.fit() : view.draw(); }, () => { shown.photograph = ""; });
   }
