@@ -227,7 +227,8 @@ export class View {
     const brushes = { erase: this.brush, density: this.radius };
     const radius = brushes[tool] ?? 1.2 / this.zoom;
     if (tool === "density" && this.map) {
-      context.globalAlpha = 0.6;
+      // Between strokes, what was made of the map is to be seen.
+      context.globalAlpha = stroke.length ? 0.6 : 0.2;
       context.drawImage(this.map, 0, 0, ...this.texture.whole);
       context.globalAlpha = 1;
     }

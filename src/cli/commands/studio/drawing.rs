@@ -66,7 +66,7 @@ fn ground(session: &Session, ending: &'static str) -> Result<Ground, Failure> {
 /// The elements that the page shows, to be changed, and the width and height of their photograph.
 ///
 /// # Errors
-/// Others than those of a version; none.
+/// No elements, or others than those of the version.
 pub(super) fn elements_of(
     session: &Session,
     version: u64,
