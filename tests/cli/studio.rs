@@ -210,6 +210,11 @@ fn categories_are_renamed_merged_filled_and_left_out() {
         library["categories"].as_array().unwrap().iter().map(|c| c["name"].clone()).collect::<Vec<_>>()
     };
     assert_eq!(json!(library(&page)), json!(names));
+    let written = String::from_utf8(folder.read("photo.lib.json")).unwrap();
+    for (name, message) in [(&names[0][..], "is taken"), ("a,b", "blanks and hyphens")] {
+        folder.write("bad.lib.json", written.replace("\"the one\"", &format!("\"{name}\"")));
+        folder.run("inspect bad.lib.json").fails(1, message);
+    }
     page.same(&folder, "svg");
     let svg = String::from_utf8(folder.read("photo.edited.svg")).unwrap();
     assert!(svg.contains(&names[0]), "{names:?}");

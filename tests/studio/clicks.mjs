@@ -5,7 +5,7 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import assert from "node:assert/strict";
 import { chromium } from "playwright-core";
-import { Studio } from "./driver.mjs";
+import { LONG, Studio } from "./driver.mjs";
 
 const { BROWSER, EXEMPLARS } = process.env;
 const folders = [];
@@ -58,7 +58,7 @@ async function photograph() {
   await studio.same("svg");
   await studio.tab("steer");
   await page.click("text=Variants");
-  await page.waitForFunction(() => document.querySelectorAll(".variants img").length === 6, null, { timeout: 60_000 });
+  await page.waitForFunction(() => document.querySelectorAll(".variants img").length === 6, null, { timeout: LONG });
   await page.waitForFunction(() => [...document.querySelectorAll(".variants img")].every(image => image.naturalWidth > 0));
   const seed = await page.getAttribute(".variants button >> nth=3", "title");
   await studio.made(() => page.click(".variants button >> nth=3"));
@@ -413,7 +413,7 @@ async function documentation() {
   await page.fill("#knob-size", "900");
   await studio.made(async () => { await page.fill("[aria-label='Height of the canvas']", "760"); await page.keyboard.press("Tab"); });
   await page.click("text=Variants");
-  await page.waitForFunction(() => document.querySelectorAll(".variants img").length === 6, null, { timeout: 60_000 });
+  await page.waitForFunction(() => document.querySelectorAll(".variants img").length === 6, null, { timeout: LONG });
   await page.waitForFunction(() => [...document.querySelectorAll(".variants img")].every(image => image.naturalWidth > 0));
   await studio.photograph("studio");
   await studio.tab("mend");
