@@ -6,13 +6,16 @@ import { hue } from "./canvas.js";
 
 const NEW = "";
 
+/** Whether a category has elements, and all are selected. */
+const isWhole = (own, selected) => own.length > 0 && own.every(element => selected.has(element));
+
 export class Categories {
   constructor(view, { onselect }) {
     Object.assign(this, { view, onselect, target: NEW });
     this.panel = make("div");
+    this.actions = make("div");
     this.list = make("div");
-    this.moving = make("div");
-    fill(this.panel, this.list, this.moving);
+    fill(this.panel, this.actions, this.list);
   }
 
   /** The elements of each category. */
@@ -30,18 +33,17 @@ export class Categories {
     this.panel.hidden = !names.length;
     const active = document.activeElement;
     const writes = this.list.contains(active) && active.type === "text" && active.value !== active.defaultValue;
+    this.showActions();
     if (!writes) this.showList();
-    this.showMoving();
   }
 
   showList() {
     const { view } = this;
     const { names } = view.elements;
     const members = this.members();
-    const isSelected = own => own.length > 0 && own.every(element => view.selected.has(element));
     const rows = names.map((name, category) => {
       const own = members[category];
-      const box = make("input", { type: "checkbox", checked: isSelected(own), "aria-label": `Select the elements of ${name}`, title: "Select its elements", "data-key": `category-${category}` });
+      const box = make("input", { type: "checkbox", checked: isWhole(own, view.selected), "aria-label": `Select the elements of ${name}`, title: "Select its elements", "data-key": `category-${category}` });
       box.addEventListener("change", () => {
         for (const element of own) if (box.checked) view.selected.add(element); else view.selected.delete(element);
         this.onselect();
@@ -56,24 +58,26 @@ export class Categories {
       });
       return make("li", {}, box, dot, field, make("span", { className: "count", textContent: own.length }));
     });
-    const whole = names.filter((_, category) => isSelected(members[category]));
-    const merge = () => this.put([...view.selected].filter(element => isSelected(members[view.elements.categories[element]] ?? [])), whole[0]);
-    fill(this.list, make("h2", { textContent: "Categories" }), make("ul", { className: "list" }, ...rows),
-      make("div", { className: "row" },
-        make("button", { type: "button", textContent: "Merge categories", title: "Check two or more; they take the name of the first", disabled: whole.length < 2, "data-key": "merge-categories", onclick: merge }),
-        this.work.elements?.categorized ? make("button", { type: "button", className: "plain", textContent: "Find anew", title: "Leave them to the analysis again", "data-key": "find-categories", onclick: () => this.put([], null) }) : null));
+    fill(this.list, make("ul", { className: "list" }, ...rows));
   }
 
-  showMoving() {
+  showActions() {
     const { selected, elements } = this.view;
-    const { names } = elements;
+    const { names, categories } = elements;
+    const members = this.members();
+    const whole = names.filter((_, category) => isWhole(members[category], selected));
+    const merge = () => this.put([...selected].filter(element => whole.includes(names[categories[element]])), whole[0]);
     if (this.target !== NEW && !names.includes(this.target)) this.target = NEW;
     const option = (value, textContent) => make("option", { value, textContent, selected: value === this.target });
     const select = make("select", { id: "move-to", disabled: !selected.size, "data-key": "move-to" }, ...names.map(name => option(name, name)), option(NEW, "a new category"));
     select.addEventListener("change", () => { this.target = select.value; });
     const move = () => this.put([...selected], this.target === NEW ? this.newName() : this.target);
-    fill(this.moving, make("div", { className: "knob" }, make("label", { for: "move-to", textContent: "Move selected elements to" }),
-      make("div", { className: "control" }, select, make("button", { type: "button", textContent: "Move", disabled: !selected.size, "data-key": "move", onclick: move }))));
+    fill(this.actions, make("h2", { textContent: "Categories" }),
+      make("div", { className: "knob" }, make("label", { for: "move-to", textContent: "Move selected elements to" }),
+        make("div", { className: "control" }, select, make("button", { type: "button", textContent: "Move", disabled: !selected.size, "data-key": "move", onclick: move }))),
+      make("div", { className: "row" },
+        make("button", { type: "button", textContent: "Merge categories", title: "Check two or more; they take the name of the first", disabled: whole.length < 2, "data-key": "merge-categories", onclick: merge }),
+        this.work.elements?.categorized ? make("button", { type: "button", className: "plain", textContent: "Find anew", title: "Leave them to the analysis again", "data-key": "find-categories", onclick: () => this.put([], null) }) : null));
   }
 
   /** A name that no category has. */
