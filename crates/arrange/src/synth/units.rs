@@ -196,6 +196,7 @@ fn in_units(error: Error, params: &SynthParams, scale: [f64; 2]) -> Error {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use vtex_base::document::Document;
     use vtex_scene::library::testing::{guided, mosaic};
 
     #[test]

@@ -1,8 +1,8 @@
 //! What is drawn in the page, and files that it sends to steer. It is worked out while other calls go on, and then
 //! set, unless what it was drawn on has changed meanwhile.
 
-use super::categories::following;
 use super::opened::{Opened, put_beside};
+use super::renumbering::following;
 use super::session::{DENSITY, DOMAIN, MASKS, Session};
 use super::settings::{PALETTE, SideFile, StudioSettings, is_side_file};
 use super::stages;

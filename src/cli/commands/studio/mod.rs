@@ -7,6 +7,7 @@ mod drawing;
 mod follower;
 mod knobs;
 mod opened;
+mod renumbering;
 mod results;
 mod session;
 mod settings;
