@@ -291,7 +291,8 @@ pub mod scene {
 pub mod segment {
     #[doc(inline)]
     pub use vtex_segment::segment::{
-        Felzenszwalb, MasksFile, OneTree, Perceptron, Regions, ScoredMask, Segmenter, masks_to_bytes,
+        Felzenszwalb, GivenCategory, MasksFile, OneTree, Perceptron, Regions, ScoredMask, Segmenter,
+        masks_to_bytes,
     };
     /// Promptable segmenters: they return masks of the object at a given point.
     pub mod prompt {

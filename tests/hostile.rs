@@ -38,7 +38,7 @@ static FILES: LazyLock<Files> = LazyLock::new(|| {
     let photo = photo.into_inner();
     let exemplar = Exemplar::from_bytes(&photo, "crop.png", &Limits::default()).unwrap();
     let found = Regions.segment(&exemplar.image, &()).unwrap();
-    let masks = |name: &str| masks_to_bytes(name.as_ref(), "regions", SIDE, SIDE, &found).unwrap();
+    let masks = |name: &str| masks_to_bytes(name.as_ref(), "regions", SIDE, SIDE, &found, &[]).unwrap();
     let library = analyze(&exemplar, &Regions, &AnalyzeParams::default(), &()).unwrap();
     assert!(!library.primaries().is_empty() && !library.secondaries().is_empty());
     let scene = small_scene(&library).unwrap();

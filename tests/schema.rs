@@ -145,7 +145,7 @@ fn written() -> Vec<(Value, Value)> {
     crop.write_to(&mut bytes, image::ImageFormat::Png).unwrap();
     let exemplar = Exemplar::from_bytes(bytes.get_ref(), "crop.png", &Limits::default()).unwrap();
     let masks = Regions.segment(&exemplar.image, &()).unwrap();
-    let masks = masks_to_bytes("crop.masks.json".as_ref(), "regions", 120, 100, &masks).unwrap();
+    let masks = masks_to_bytes("crop.masks.json".as_ref(), "regions", 120, 100, &masks, &[]).unwrap();
     let library = analyze(&exemplar, &Regions, &AnalyzeParams::default(), &()).unwrap();
     let params = SynthParams { width: 150, height: 90, ..SynthParams::default() };
     let scene = synthesize(&library, &params, &()).unwrap();

@@ -27,7 +27,9 @@ use vtex::output::file::{FileKind, Format};
 use vtex::scene::{Scene, splat};
 use vtex::segment::prompt::{Generator, GeneratorParams, Sam};
 use vtex::segment::texton::Texton;
-use vtex::segment::{Felzenszwalb, MasksFile, OneTree, Regions, ScoredMask, Segmenter, masks_to_bytes};
+use vtex::segment::{
+    Felzenszwalb, GivenCategory, MasksFile, OneTree, Regions, ScoredMask, Segmenter, masks_to_bytes,
+};
 use vtex::synth::{layer_map, reconstruct};
 
 /// How a photograph is analyzed.
@@ -355,11 +357,16 @@ impl Segmenter for Saving<'_> {
             let reduced = [image.width(), image.height()];
             let stretched = |m: &ScoredMask| ScoredMask { mask: m.mask.stretched(reduced, whole), ..*m };
             let saved = if reduced == whole { masks.clone() } else { masks.iter().map(stretched).collect() };
-            let bytes = masks_to_bytes(&plain, &self.name(), whole[0], whole[1], &saved)?;
+            let bytes =
+                masks_to_bytes(&plain, &self.name(), whole[0], whole[1], &saved, &self.categories(whole))?;
             let kind = FileKind { format: Format::Library, gzip };
             Target { place: place.clone(), kind }.write_bytes(&bytes)?;
         }
         Ok(masks)
+    }
+
+    fn categories(&self, size: [u32; 2]) -> Vec<GivenCategory> {
+        self.segmenter.categories(size)
     }
 
     fn seeks_elements(&self) -> bool {

@@ -425,9 +425,9 @@ mod tests {
             fields(AnalyzeParams::default(), &["seed"]),
             sorted_keys("analyze", &["segmenter", "group"])
         );
-        // A variation is stored only if it is given.
+        // A variation and categories that are left out are stored only if they are given.
         let handled = ["seed", "width", "height", "weights", "variation"];
-        let options = sorted_keys("synth", &["size", "weights", "variation"]);
+        let options = sorted_keys("synth", &["size", "weights", "variation", "exclude"]);
         assert_eq!(fields(SynthParams::default(), &handled), options);
     }
 

@@ -12,6 +12,7 @@ use vtex::analyze::Exemplar;
 use vtex::output::CSS_DPI;
 use vtex::scene::{SynthParams, Tile, Weights};
 use vtex::warp::Bend;
+use vtex_base::file_names::is_device;
 
 /// `1000` or `1000x600`, in pixels, or lengths such as `300mm` or `3m x 1m`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -255,15 +256,6 @@ impl FromStr for WeightsFrom {
             Err(_) => Err("expected five numbers with commas between, or a name".into()),
         }
     }
-}
-
-/// Whether Windows treats a file name as a device, whatever its extension.
-pub(crate) fn is_device(name: &str) -> bool {
-    let stem = name.split('.').next().unwrap_or_default().trim_end().to_ascii_lowercase();
-    let numbered = |port: &str| {
-        stem.strip_prefix(port).is_some_and(|n| n.len() == 1 && matches!(n.as_bytes()[0], b'1'..=b'9'))
-    };
-    matches!(&stem[..], "con" | "prn" | "aux" | "nul") || numbered("com") || numbered("lpt")
 }
 
 /// A name of weights or of a model: letters of ASCII, at least one, digits, `-` and `_`; at most 64. It is

@@ -164,6 +164,86 @@ fn what_is_saved_is_what_the_commands_make_and_work_goes_on() {
 }
 
 #[test]
+fn categories_are_renamed_merged_filled_and_left_out() {
+    let folder = Folder::new();
+    let page = Page::open(&folder, "photo.png --seed 3");
+    page.made();
+    page.tell("set", &json!({ "name": "size", "value": "90x70" }));
+    page.tell("set", &json!({ "name": "categories", "value": "3" }));
+    page.tell("operations", &json!({ "operations": ["tint red --where category=3"], "what": "" }));
+    let known = || {
+        page.made();
+        let known = page.ask("elements");
+        let names: Vec<String> = serde_json::from_value(known["names"].clone()).unwrap();
+        let of: Vec<usize> = serde_json::from_value(known["categories"].clone()).unwrap();
+        (names, of, known["version"].clone())
+    };
+    let put = |elements: &[usize], name: Option<&str>| {
+        let (_, _, version) = known();
+        page.tell("categorize", &json!({ "version": version, "elements": elements, "name": name }));
+    };
+    let within = |category: usize| -> Vec<usize> {
+        let (_, of, _) = known();
+        (0..of.len()).filter(|&element| of[element] == category).collect()
+    };
+    let (found, of, _) = known();
+    assert_eq!(found.len(), 3);
+    put(&within(1), Some("R\u{e4}nder"));
+    assert_eq!(known().0, [found[0].clone(), "R\u{e4}nder".into(), found[2].clone()]);
+    assert_eq!(known().1, of);
+    let lines = page.same(&folder, "library");
+    assert!(lines[0].contains("--masks photo.masks.json") && !lines[0].contains("--categories"), "{lines:?}");
+    // The second goes into the first; what was done to the third is done to it under its new number.
+    let both = [within(0), within(1)].concat();
+    put(&both, Some(&found[0]));
+    assert_eq!(known().0, [found[0].clone(), found[2].clone()]);
+    assert_eq!(page.made()["operations"], json!(["tint red --where category=2"]));
+    page.tell("undo", &json!({}));
+    assert_eq!(page.made()["operations"], json!(["tint red --where category=3"]));
+    page.tell("redo", &json!({}));
+    put(&[0], Some("the one"));
+    let (names, of, _) = known();
+    assert_eq!((names.len(), of[0]), (3, 2));
+    let library = |page: &Page| {
+        page.same(&folder, "library");
+        let library: Value = serde_json::from_slice(&folder.read("photo.lib.json")).unwrap();
+        library["categories"].as_array().unwrap().iter().map(|c| c["name"].clone()).collect::<Vec<_>>()
+    };
+    assert_eq!(json!(library(&page)), json!(names));
+    let written = String::from_utf8(folder.read("photo.lib.json")).unwrap();
+    for (name, message) in [(&names[0][..], "is taken"), ("a,b", "blanks and hyphens")] {
+        folder.write("bad.lib.json", written.replace("\"the one\"", &format!("\"{name}\"")));
+        folder.run("inspect bad.lib.json").fails(1, message);
+    }
+    page.same(&folder, "svg");
+    let svg = String::from_utf8(folder.read("photo.edited.svg")).unwrap();
+    assert!(svg.contains(&names[0]), "{names:?}");
+    page.tell("set", &json!({ "name": "exclude", "value": names[0] }));
+    put(&within(0), Some("Kies"));
+    let lines = page.same(&folder, "scene");
+    assert!(lines[1].contains("--exclude=Kies"), "{lines:?}");
+    let texture = &page.made()["texture"]["categories"];
+    assert!(texture.as_array().unwrap().iter().all(|c| c["name"] != "Kies"), "{texture}");
+    for (name, message) in [("a,b", "hyphens"), ("", "hyphens"), (&"x".repeat(101), "hyphens")] {
+        let (_, _, version) = known();
+        let wrong = json!({ "version": version, "elements": [0], "name": name }).to_string();
+        page.refuses("categorize", wrong.as_bytes(), message);
+    }
+    let names = known().0;
+    drop(page);
+    let page = Page::open(&folder, "photo.png");
+    page.made();
+    assert_eq!(page.ask("elements")["names"], json!(names));
+    assert_eq!(json!(library(&page)), json!(names));
+    // Found anew, they are those of the analysis.
+    let version = page.made()["elements"]["version"].clone();
+    page.tell("categorize", &json!({ "version": version, "elements": [], "name": null }));
+    page.made();
+    assert_eq!(page.ask("elements")["names"], json!(found));
+    page.same(&folder, "svg");
+}
+
+#[test]
 fn what_is_drawn_is_kept_in_files_that_the_commands_name() {
     let folder = Folder::new();
     steering(&folder.path("."));

@@ -4,15 +4,28 @@ import { copyFileSync, existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync,
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import assert from "node:assert/strict";
-import { Studio } from "./driver.mjs";
+import { chromium } from "playwright-core";
+import { LONG, Studio } from "./driver.mjs";
 
-const { EXEMPLARS } = process.env;
+const { BROWSER, EXEMPLARS } = process.env;
 const folders = [];
 
 function folder(...exemplars) {
   const made = mkdtempSync(join(tmpdir(), "vtex-studio-"));
   folders.push(made);
   for (const name of exemplars) copyFileSync(join(EXEMPLARS, name), join(made, name));
+  return made;
+}
+
+/** A folder with a corner of an exemplar, which is soon analysed. */
+async function corner(name, side) {
+  const made = folder();
+  const browser = await chromium.launch({ executablePath: BROWSER, args: ["--no-sandbox"] });
+  const page = await browser.newPage();
+  const picture = readFileSync(join(EXEMPLARS, name)).toString("base64");
+  await page.setContent(`<body style="margin: 0"><img src="data:image/png;base64,${picture}">`);
+  await page.screenshot({ path: join(made, name), clip: { x: 0, y: 0, width: side, height: side } });
+  await browser.close();
   return made;
 }
 
@@ -45,7 +58,7 @@ async function photograph() {
   await studio.same("svg");
   await studio.tab("steer");
   await page.click("text=Variants");
-  await page.waitForFunction(() => document.querySelectorAll(".variants img").length === 6, null, { timeout: 60_000 });
+  await page.waitForFunction(() => document.querySelectorAll(".variants img").length === 6, null, { timeout: LONG });
   await page.waitForFunction(() => [...document.querySelectorAll(".variants img")].every(image => image.naturalWidth > 0));
   const seed = await page.getAttribute(".variants button >> nth=3", "title");
   await studio.made(() => page.click(".variants button >> nth=3"));
@@ -203,7 +216,7 @@ async function others() {
 
 /** What is painted on the texture, categories left out, a palette from a picture; two files of one name. */
 async function painted() {
-  const studio = await Studio.start(folder("leaves.png"), ["leaves.png"]);
+  const studio = await Studio.start(await corner("leaves.png", 300), ["leaves.png"]);
   const { page } = studio;
   await studio.finished();
   await page.fill("#knob-size", "360");
@@ -242,29 +255,26 @@ async function painted() {
   await studio.made(() => stroke([40, 40], [320, 60], [300, 260], [150, 280], [40, 200], [40, 40]));
   await studio.picture("shape");
   await studio.accessible("shape");
-  await page.click("[data-key=pen-shape]");
+  assert.equal(await page.getAttribute("[data-key=pen-shape]", "aria-pressed"), "false");
   const shaped = await studio.same("svg");
   assert.match(shaped.command, /--domain leaves\.domain\.svg/);
-  // A category left out, and colours of a picture.
+  // Colours of a picture.
   await studio.tab("change");
-  const before = (await studio.state()).work.texture;
-  await studio.made(() => page.click("[data-key=out-1]"));
-  const left = (await studio.state()).work.texture.elements;
-  assert.equal(left, before.elements - before.categories[0].elements);
+  await studio.made(() => page.click("#change >> text=Add >> nth=-1"));
   await studio.made(() => page.setInputFiles("[aria-label='Palette from a picture']", join(EXEMPLARS, "flowers.png")));
   const recoloured = await studio.same("svg");
-  assert.match(recoloured.command, /--op 'palette flowers\.colours\.txt' --op 'thin 0 --where category=1'/);
+  assert.match(recoloured.command, /--op 'palette flowers\.colours\.txt' --op shadow/);
   await studio.tab("change");
   await studio.picture("palette");
   await studio.accessible("palette");
   await studio.made(() => page.click("[data-key=palette-reset]"));
-  assert.deepEqual((await studio.state()).work.operations, ["thin 0 --where category=1"]);
+  assert.deepEqual((await studio.state()).work.operations, ["shadow"]);
   // It goes on after a restart with what was drawn.
   await studio.kill();
   studio.faults = studio.faults.filter(fault => !/ERR_|Failed to load/.test(fault));
   // Another file of the same name is another.
   mkdirSync(join(studio.folder, "other"));
-  copyFileSync(join(EXEMPLARS, "terrazzo.png"), join(studio.folder, "other", "leaves.png"));
+  copyFileSync(join(await corner("terrazzo.png", 200), "terrazzo.png"), join(studio.folder, "other", "leaves.png"));
   await studio.run(["leaves.png", "other/leaves.png"]);
   await studio.until(({ work, busy }) => !busy && work?.texture && !work.texture.draft);
   assert.ok((await studio.state()).work.files.domain.drawn);
@@ -274,6 +284,105 @@ async function painted() {
   assert.notEqual((await studio.state()).work.id, own);
   assert.deepEqual((await studio.state()).work.files, {});
   studio.faults = studio.faults.filter(fault => !/ERR_|Failed to load/.test(fault));
+  await studio.stop();
+}
+
+/** Categories renamed, merged, filled by hand and left out, with undo; they are in the library, the scene and the SVG. */
+async function categories() {
+  const studio = await Studio.start(await corner("leaves.png", 300), ["leaves.png"]);
+  const { page } = studio;
+  await studio.finished();
+  await page.fill("#knob-size", "360");
+  await studio.made(async () => { await page.fill("[aria-label='Height of the canvas']", "300"); await page.keyboard.press("Tab"); });
+  await studio.tab("change");
+  await studio.made(async () => {
+    await page.selectOption("#operation", "tint");
+    await page.fill("#word-colour", "#ff0000");
+    await page.press("#word-colour", "Tab");
+    await page.selectOption("#which", "category:3");
+    await page.click("#change >> text=Add >> nth=-1");
+  });
+  const tint = async () => (await studio.state()).work.operations[0];
+  assert.equal(await tint(), "tint #ff0000 --where category=3");
+  await studio.tab("mend");
+  const shown = async () => {
+    const { names, categories } = await page.evaluate(async () => (await fetch("api/elements")).json());
+    await page.waitForFunction(names => JSON.stringify([...document.querySelectorAll("#mend input.name")].map(input => input.value)) === names, JSON.stringify(names));
+    return { names, counts: names.map((_, k) => categories.filter(category => category === k).length), categories };
+  };
+  const found = await shown();
+  assert.ok(found.names.length > 3, `${found.names}`);
+  const rename = name => studio.made(async () => { await page.fill("[data-key=name-1]", name); await page.keyboard.press("Enter"); });
+  await rename("Möwe-2 a");
+  const renamed = await shown();
+  assert.deepEqual(renamed.names, found.names.with(1, "Möwe-2 a"));
+  assert.deepEqual(renamed.counts, found.counts);
+  // Two become one, which has the name of the first; what was set by number follows.
+  await page.check("[data-key=category-0]");
+  await page.check("[data-key=category-1]");
+  await studio.picture("categories");
+  await studio.accessible("categories");
+  await studio.made(() => page.click("[data-key=merge-categories]"));
+  const merged = await shown();
+  assert.deepEqual(merged.names, found.names.toSpliced(1, 1));
+  assert.equal(merged.counts[0], found.counts[0] + found.counts[1]);
+  assert.equal(await tint(), "tint #ff0000 --where category=2");
+  await studio.made(() => page.click("#undo"));
+  assert.deepEqual((await shown()).names, renamed.names);
+  assert.equal(await tint(), "tint #ff0000 --where category=3");
+  await studio.made(() => page.click("#redo"));
+  // One element, clicked, into a new category, which gets a name.
+  const places = await studio.elements();
+  const one = merged.categories.findIndex((category, element) => category === 0 && element > 5);
+  await page.mouse.click(...await studio.at(...places[one]));
+  await studio.made(() => page.click("[data-key=move]"));
+  const moved = await shown();
+  assert.deepEqual([moved.names.at(-1), moved.counts.at(-1), moved.categories[one]], ["new", 1, moved.names.length - 1]);
+  await studio.made(async () => { await page.fill(`[data-key=name-${moved.names.length - 1}]`, "the one"); await page.keyboard.press("Tab"); });
+  // It is taken over by all that is saved.
+  const { command, saved } = await studio.same("svg");
+  assert.match(command, /--masks leaves\.masks\.json/);
+  assert.match(String(saved), new RegExp(`\\(${merged.names[0]}\\)`));
+  const names = [...merged.names, "the one"];
+  const library = JSON.parse((await studio.same("library")).saved);
+  assert.deepEqual(library.categories.map(({ name }) => name), names);
+  assert.deepEqual(library.categories.map(({ members }) => members), moved.counts);
+  const scene = JSON.parse((await studio.same("scene")).saved);
+  assert.deepEqual(scene.libraries[0].categories, names);
+  // One is left out of the synthesis, and its name follows.
+  await studio.tab("change");
+  const out = names[0];
+  await studio.made(() => page.click(`[data-key="out-${out}"]`));
+  const { work } = await studio.state();
+  assert.ok(work.texture.elements > 0 && !work.texture.categories.some(({ name }) => name === out));
+  assert.equal(await page.getAttribute(`[data-key="out-${out}"]`, "aria-pressed"), "true");
+  await studio.tab("mend");
+  await studio.made(async () => { await page.fill("[data-key=name-0]", "dark one"); await page.keyboard.press("Enter"); });
+  const without = await studio.same("svg");
+  assert.match(without.command, /'--exclude=dark one'/);
+  await studio.picture("left-out");
+  // An element deleted keeps the others' categories, after a restart too.
+  await studio.tab("mend");
+  const before = await shown();
+  await page.mouse.click(...await studio.at(...(await studio.elements())[0]));
+  await studio.made(() => page.keyboard.press("Delete"));
+  assert.deepEqual((await shown()).categories, before.categories.slice(1));
+  const last = (await studio.same("svg")).saved;
+  await studio.kill();
+  studio.faults = studio.faults.filter(fault => !/ERR_|Failed to load/.test(fault));
+  await studio.run(["leaves.png"]);
+  await studio.finished();
+  assert.ok((await studio.same("svg")).saved.equals(last));
+  // A comma is refused; found anew, they are as they were.
+  await studio.tab("mend");
+  await page.fill("[data-key=name-0]", "a, b");
+  await page.keyboard.press("Enter");
+  await page.waitForSelector(".notice.fault");
+  assert.match(await page.textContent(".notice.fault"), /letters, digits/);
+  await page.click(".notice.fault button");
+  await studio.made(() => page.click("[data-key=find-categories]"));
+  assert.ok(!(await shown()).names.includes("the one"));
+  studio.faults = studio.faults.filter(fault => !/ERR_|Failed to load|status of 422/.test(fault));
   await studio.stop();
 }
 
@@ -304,7 +413,7 @@ async function documentation() {
   await page.fill("#knob-size", "900");
   await studio.made(async () => { await page.fill("[aria-label='Height of the canvas']", "760"); await page.keyboard.press("Tab"); });
   await page.click("text=Variants");
-  await page.waitForFunction(() => document.querySelectorAll(".variants img").length === 6, null, { timeout: 60_000 });
+  await page.waitForFunction(() => document.querySelectorAll(".variants img").length === 6, null, { timeout: LONG });
   await page.waitForFunction(() => [...document.querySelectorAll(".variants img")].every(image => image.naturalWidth > 0));
   await studio.photograph("studio");
   await studio.tab("mend");
@@ -321,10 +430,11 @@ async function documentation() {
 try {
   // Parts by name, or all but the pictures of the documentation.
   const named = process.argv.slice(2);
-  const parts = [photograph, others, painted, stopped, documentation];
+  const parts = [photograph, others, painted, categories, stopped, documentation];
   for (const part of parts.filter(part => named.length ? named.includes(part.name) : part !== documentation)) {
-    console.log(part.name);
+    const began = Date.now();
     await part();
+    console.log(`${part.name}: ${((Date.now() - began) / 1000).toFixed(0)} s`);
   }
   console.log("the studio works by clicking");
 } finally {

@@ -96,6 +96,42 @@ fn scale(features: &[Features]) -> Vec<Features> {
     features.iter().map(one).collect()
 }
 
+/// Categories that a user has given, in their order; those without primaries are left out. `of` is the given category
+/// of each primary; one without joins that whose mean is nearest in its features. `None` if no primary has any.
+pub(super) fn take(
+    (names, of): (&[&str], &[Option<usize>]),
+    features: &[Features],
+    image_area: f64,
+) -> Option<(Vec<CategoryId>, Vec<Category>)> {
+    let points = scale(features);
+    let mut sums = vec![([0.0; 5], 0.0); names.len()];
+    for (point, category) in points.iter().zip(of) {
+        if let Some(category) = category {
+            let (sum, members) = &mut sums[*category];
+            (0..5).for_each(|i| sum[i] += point[i]);
+            *members += 1.0;
+        }
+    }
+    let means = sums.iter().map(|(sum, members)| (*members > 0.0).then(|| sum.map(|v| v / members)));
+    let means: Vec<Option<Features>> = means.collect();
+    let nearest = |point: &Features| {
+        let distance =
+            |mean: &Features| (0..5).map(|i| (point[i] - mean[i]) * (point[i] - mean[i])).sum::<f64>();
+        let known = means.iter().enumerate().filter_map(|(c, mean)| Some((c, distance(mean.as_ref()?))));
+        known.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(category, _)| category)
+    };
+    let assigned: Option<Vec<usize>> =
+        points.iter().zip(of).map(|(point, own)| own.or_else(|| nearest(point))).collect();
+    let assigned = assigned.filter(|all| !all.is_empty())?;
+    let order: Vec<usize> = (0..names.len()).filter(|c| assigned.contains(c)).collect();
+    let (ids, mut categories) = in_order(&order, &assigned, features, image_area);
+    for (category, &k) in categories.iter_mut().zip(&order) {
+        category.name = Some(names[k].to_owned());
+    }
+    Some((ids, categories))
+}
+
+/// Numbers clusters, the largest first.
 fn number(assigned: &[usize], features: &[Features], image_area: f64) -> (Vec<CategoryId>, Vec<Category>) {
     let count = assigned.iter().max().map_or(0, |m| m + 1);
     let mut members = vec![0u32; count];
@@ -104,17 +140,28 @@ fn number(assigned: &[usize], features: &[Features], image_area: f64) -> (Vec<Ca
     }
     let mut order: Vec<usize> = (0..count).filter(|&c| members[c] > 0).collect();
     order.sort_by_key(|&c| (std::cmp::Reverse(members[c]), c));
-    let mut id = vec![0u16; count];
+    in_order(&order, assigned, features, image_area)
+}
+
+/// Categories of clusters in an order, which has all that have members.
+fn in_order(
+    order: &[usize],
+    assigned: &[usize],
+    features: &[Features],
+    image_area: f64,
+) -> (Vec<CategoryId>, Vec<Category>) {
+    let mut id = vec![0u16; order.iter().max().map_or(0, |most| most + 1)];
     for (new, &old) in order.iter().enumerate() {
         id[old] = new as u16;
     }
-    let mut categories: Vec<Category> =
-        order.iter().map(|&c| Category { centre: [0.0; 5], members: members[c], coverage: 0.0 }).collect();
+    let empty = Category { name: None, centre: [0.0; 5], members: 0, coverage: 0.0 };
+    let mut categories = vec![empty; order.len()];
     for (&c, f) in assigned.iter().zip(features) {
         let category = &mut categories[usize::from(id[c])];
         for i in 0..5 {
             category.centre[i] += f[i];
         }
+        category.members += 1;
         category.coverage += f[3];
     }
     for category in &mut categories {
@@ -173,6 +220,24 @@ mod tests {
             (0..50).map(|i| [120.0 + f64::from(i % 3), 121.0, 120.0, 50.0, 0.7]).collect();
         assert_eq!(divide(&grey, Categories::Auto, 1000.0, 1).1.len(), 1);
         assert!(divide(&[], Categories::Auto, 1000.0, 1).1.is_empty());
+    }
+
+    #[test]
+    fn given_categories_keep_their_order_and_take_in_the_others() {
+        let red = |v: f64| [200.0 + v, 30.0, 30.0, 50.0, 0.7];
+        let blue = |v: f64| [30.0, 30.0, 200.0 + v, 50.0, 0.7];
+        let features = [red(0.0), blue(0.0), red(5.0), blue(5.0), blue(9.0)];
+        let names = ["sky", "gone", "brick"];
+        let of = [Some(2), Some(0), None, None, Some(2)];
+        let (ids, categories) = take((&names, &of), &features, 1000.0).unwrap();
+        // Those without go to what they resemble; the last blue one stays where it was put.
+        assert_eq!(ids, [1, 0, 1, 0, 1].map(CategoryId));
+        let found: Vec<_> = categories.iter().map(|c| (c.name.as_deref(), c.members)).collect();
+        assert_eq!(found, [(Some("sky"), 2), (Some("brick"), 3)]);
+        assert_eq!(categories[0].centre, [30.0, 30.0, 202.5, 50.0, 0.7]);
+        assert_eq!(categories[1].coverage, 0.15);
+        assert!(take((&names, &[None; 5]), &features, 1000.0).is_none());
+        assert!(take((&names, &[]), &[], 1000.0).is_none());
     }
 
     #[test]

@@ -50,14 +50,14 @@ use vtex_base::document::Document as _;
 use vtex_base::error::Result;
 use vtex_base::parallel;
 use vtex_base::progress::{Progress, SideBySide, advance};
-use vtex_base::raster::Mask;
 use vtex_base::raster::blur::gaussian;
 use vtex_base::raster::picture::outlines;
+use vtex_base::raster::{LabelMap, Mask};
 use vtex_scene::library::{
     Arrangement, Category, CategoryId, ExemplarElement, Guide, Library, Source, SourceKind,
 };
 use vtex_scene::scene::Tile;
-use vtex_segment::segment::{Segmenter, details};
+use vtex_segment::segment::{GivenCategory, Segmenter, details};
 
 /// Analyses an exemplar: finds its elements with `segmenter`, and derives their shapes, colours, categories
 /// and arrangement and the background's palette. The same arguments give the same library on any number of
@@ -172,7 +172,8 @@ fn analyze_whole(
     }
     let source = Source { warnings, ..source(exemplar, segmenter, params) };
     let lattice = memory.map(|memory| &mut memory.lattice);
-    let library = library(exemplar, elements, (strata, lattice), source, progress);
+    let given = segmenter.categories(exemplar.image.dimensions().into());
+    let library = library(exemplar, elements, (strata, lattice), (source, &given), progress);
     debug_assert_eq!(library.validate(), Ok(()));
     Ok(library)
 }
@@ -228,13 +229,13 @@ fn library(
     exemplar: &Exemplar,
     elements: Elements,
     (strata, lattice): (PhotographStrata, Option<&mut LatticeMemory>),
-    source: Source,
+    (source, given): (Source, &[GivenCategory]),
     progress: &dyn Progress,
 ) -> Library {
     let Elements { mut primaries, secondaries, labels } = elements;
     let (width, height) = exemplar.image.dimensions();
     let params = source.parameters.clone();
-    let (ids, categories) = categorise(&mut primaries, f64::from(width) * f64::from(height), &params);
+    let (ids, categories) = categorise(&mut primaries, (&labels, given), &params);
     progress.picture("categories", &|| pictures::categories(&labels, &ids));
     let centroids: Vec<[f64; 2]> = primaries.iter().map(|p| p.centroid).collect();
     let descriptor_half = descriptor_half(&centroids, width, height, params.descriptor_reach);
@@ -260,10 +261,11 @@ fn library(
     }
 }
 
-/// Divides primaries into categories: the category of each, and all of them. `image_area` is in pixels.
+/// Divides primaries into categories, those that a user has given if there are any: the category of each, and all of
+/// them.
 fn categorise(
     primaries: &mut [ExemplarElement],
-    image_area: f64,
+    (labels, given): (&LabelMap, &[GivenCategory]),
     params: &AnalyzeParams,
 ) -> (Vec<CategoryId>, Vec<Category>) {
     let features = |p: &ExemplarElement| {
@@ -271,7 +273,12 @@ fn categorise(
         [r, g, b, f64::from(p.area), p.compactness.unwrap_or(0.0)]
     };
     let features: Vec<categories::Features> = primaries.iter().map(features).collect();
-    let (ids, categories) = categories::divide(&features, params.categories, image_area, params.seed);
+    let image_area = f64::from(labels.width) * f64::from(labels.height);
+    let names: Vec<&str> = given.iter().map(|category| &category.name[..]).collect();
+    let masks = if given.is_empty() { Vec::new() } else { Mask::all_of_labels(labels, primaries.len() + 1) };
+    let of: Vec<Option<usize>> = masks.iter().skip(1).map(|mask| GivenCategory::of(mask, given)).collect();
+    let (ids, categories) = categories::take((&names, &of), &features, image_area)
+        .unwrap_or_else(|| categories::divide(&features, params.categories, image_area, params.seed));
     primaries.iter_mut().zip(&ids).for_each(|(p, &id)| p.category = Some(id));
     (ids, categories)
 }

@@ -241,6 +241,12 @@ pub fn json_in_order(json: String) -> String {
     escaped
 }
 
+/// Whether a name of a category is valid in all formats: 1 to 100 letters, digits, blanks and hyphens.
+pub fn is_category_name(name: &str) -> bool {
+    (1..=100).contains(&name.chars().count())
+        && name.chars().all(|c| c.is_alphanumeric() || c == ' ' || c == '-')
+}
+
 #[cfg(test)]
 mod tests {
     #[test]

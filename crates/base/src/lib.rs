@@ -4,6 +4,7 @@
 pub mod disjoint_sets;
 pub mod document;
 pub mod error;
+pub mod file_names;
 pub mod fourier;
 pub mod geometry;
 pub mod gzip;

@@ -3,10 +3,13 @@
 import { settled } from "./dom.js";
 
 const LEAST = 0.02, MOST = 40, MARGIN = 28;
+/** Room for the buttons over and under the picture; beside it is room for the latter on wide pages. */
+const ABOVE = 44, BELOW = 40, WIDE = 900;
 const REACH = 4;
 
 const clamp = (value, least, most) => Math.min(most, Math.max(least, value));
-const hue = index => `hsl(${(index * 137.5 + 160) % 360} 78% 58%)`;
+/** The colour of a category. */
+export const hue = index => `hsl(${(index * 137.5 + 160) % 360} 78% 58%)`;
 
 /** The canvas with its view. It tells `onsharper` when the texture should be drawn finer. */
 export class View {
@@ -14,7 +17,7 @@ export class View {
   redrawn = null;
   texture = null;
   /** Outlines of elements, in pixels of the photograph. */
-  elements = { size: [1, 1], paths: [], places: [], categories: [] };
+  elements = { size: [1, 1], paths: [], places: [], names: [], categories: [] };
   selected = new Set();
   hovered = -1;
   tool = null;
@@ -68,10 +71,11 @@ export class View {
 
   fit() {
     const [width, height] = this.content();
-    const room = [this.canvas.clientWidth - 2 * MARGIN, this.canvas.clientHeight - 2 * MARGIN - 44];
+    const below = innerWidth > WIDE ? 0 : BELOW;
+    const room = [this.canvas.clientWidth - 2 * MARGIN, this.canvas.clientHeight - 2 * MARGIN - ABOVE - below];
     this.zoom = clamp(Math.min(room[0] / width, room[1] / height, 6), LEAST, MOST);
     this.x = (this.canvas.clientWidth - width * this.zoom) / 2;
-    this.y = (this.canvas.clientHeight - height * this.zoom) / 2 + 22;
+    this.y = (this.canvas.clientHeight + ABOVE - below - height * this.zoom) / 2;
     this.fitted = true;
     this.moved();
   }
@@ -144,9 +148,10 @@ export class View {
     const [w, h] = texture.size;
     this.paintGround(width, height);
     if (texture.draft) {
-      context.globalAlpha = 0.9;
-      context.drawImage(texture.image, (width - w) / 2, (height - h) / 2, w, h);
+      context.globalAlpha = 0.35;
+      if (texture.around) context.drawImage(texture.around, 0, 0, width, height);
       context.globalAlpha = 1;
+      context.drawImage(texture.image, (width - w) / 2, (height - h) / 2, w, h);
       return;
     }
     const count = this.tiles && this.mode === "texture" ? 3 : 1;
@@ -222,7 +227,8 @@ export class View {
     const brushes = { erase: this.brush, density: this.radius };
     const radius = brushes[tool] ?? 1.2 / this.zoom;
     if (tool === "density" && this.map) {
-      context.globalAlpha = 0.6;
+      // Between strokes, what was made of the map is to be seen.
+      context.globalAlpha = stroke.length ? 0.6 : 0.2;
       context.drawImage(this.map, 0, 0, ...this.texture.whole);
       context.globalAlpha = 1;
     }
@@ -311,7 +317,8 @@ export class View {
     if (!this.pointers.delete(event.pointerId)) return;
     if (this.action === "stroke") this.finish();
     else if (this.action === "pan" && this.travelled <= REACH && this.mode === "elements" && event.button === 0) {
-      this.onpick(this.elementAt(this.place(event)), event.shiftKey || event.ctrlKey || event.metaKey);
+      // Fingers have no keys: each tap selects one more, or one less.
+      this.onpick(this.elementAt(this.place(event)), event.shiftKey || event.ctrlKey || event.metaKey || event.pointerType === "touch");
     }
     if (!this.pointers.size) this.action = null;
     this.canvas.style.cursor = "";

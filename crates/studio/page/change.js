@@ -90,23 +90,33 @@ export class Change {
   showColours() {
     const categories = this.work.texture?.categories ?? [];
     const one = new Set(categories.map(category => category.library)).size <= 1;
+    const excluded = (this.work.options.exclude ?? "").split(",").filter(Boolean);
     const rows = one ? categories.map(category => {
       const at = this.recoloured(category.category);
       const now = at >= 0 ? RECOLOUR.exec(this.work.operations[at])[2] : category.now;
-      const out = `thin 0 --where category=${category.category}`, isOut = this.work.operations.includes(out);
-      const leave = () => tell("operations", { operations: isOut ? this.work.operations.filter(text => text !== out) : [...this.work.operations, out], what: "" });
       const picker = make("input", { type: "color", value: now, "aria-label": `Colour of ${category.name}`, "data-key": `colour-${category.category}` });
       picker.addEventListener("input", throttled(() => this.recolour(category, picker.value), 160));
       picker.addEventListener("change", () => this.recolour(category, picker.value));
       return make("li", {}, picker, make("span", { className: "name", textContent: category.name }),
-        make("span", { className: "count", textContent: `${category.elements} elements` }),
-        make("button", { type: "button", "aria-pressed": String(isOut), textContent: "Leave out", "aria-label": `Leave out ${category.name}`, title: "Its elements are taken away", "data-key": `out-${category.category}`, onclick: leave }),
+        make("span", { className: "count", textContent: category.elements, title: "Elements placed" }),
+        this.leavingOut(category.name, excluded),
         at >= 0 ? make("button", { type: "button", className: "plain", textContent: "Reset", "aria-label": `Reset the colour of ${category.name}`, onclick: () => this.recolour(category, null) }) : null);
     }) : [];
-    fill(this.colours, make("h2", { textContent: "Colours" }),
+    const shown = categories.map(category => category.name);
+    rows.push(...excluded.filter(name => !shown.includes(name)).map(name =>
+      make("li", {}, make("span", { className: "name", textContent: name }), this.leavingOut(name, excluded))));
+    fill(this.colours, make("h2", { textContent: "Categories" }),
       rows.length ? make("ul", { className: "list" }, ...rows)
         : make("p", { textContent: "Elements have no categories here. Operations change all of them." }),
       rows.length ? this.palette(categories.length) : null);
+  }
+
+  /** The switch that leaves a category out of the texture, or takes it in again. A scene is placed already. */
+  leavingOut(name, excluded) {
+    if (this.work.kind === "scene") return null;
+    const isOut = excluded.includes(name);
+    const next = isOut ? excluded.filter(other => other !== name) : [...excluded, name];
+    return make("button", { type: "button", "aria-pressed": String(isOut), textContent: "Leave out", "aria-label": `Leave out ${name}`, title: "Its elements are not placed", "data-key": `out-${name}`, onclick: () => tell("set", { name: "exclude", value: next.join(",") || null }) });
   }
 
   /** Colours taken from a picture, or from a file that lists them. */

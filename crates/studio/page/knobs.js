@@ -15,9 +15,11 @@ export function control(knob, value, onset, { id, live = true } = {}) {
   const attributes = { id, "aria-describedby": `${id}-words` };
   const send = throttled(onset, 140);
   if (knob.kind === "number") {
-    const shown = value ?? (Number.isNaN(parseFloat(knob.default)) ? "" : knob.default);
+    // Some defaults are words, which its own words tell.
+    const hasNumber = knob.default && !Number.isNaN(Number(knob.default));
+    const shown = value ?? (hasNumber ? knob.default : "");
     const step = knob.whole ? 1 : "any";
-    const number = make("input", { type: "number", min: knob.least, max: knob.most, step, value: shown, placeholder, ...attributes });
+    const number = make("input", { type: "number", min: knob.least, max: knob.most, step, value: shown, placeholder: hasNumber ? placeholder : "auto", ...attributes });
     number.addEventListener("change", () => onset(number.value === "" ? null : number.value));
     if (knob.most - knob.least > SLIDER) return [number];
     const span = knob.most - knob.least;
@@ -194,8 +196,11 @@ export class Steer {
         old.classList.toggle("set", set);
         const reset = old.querySelector(".head button");
         if (document.activeElement !== reset) reset.hidden = !set;
-        else if (!set) { old.querySelector("input, select").focus(); this.refresh(work); return; }
-        if (!set && document.activeElement.type !== "number" && document.activeElement.type !== "text") continue;
+        else if (!set) {
+          const fresh = this.row(known.get(name), work);
+          old.replaceWith(fresh);
+          fresh.querySelector("input, select").focus();
+        }
         continue;
       }
       const knob = known.get(name);

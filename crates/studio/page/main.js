@@ -77,23 +77,35 @@ function ready() {
   return Boolean(texture && !texture.draft && !state.busy && !state.rests && !state.fault);
 }
 
+/** What tells the texture that there is from others. */
+function textureKey() {
+  const { work } = state;
+  return work?.texture ? `${work.id} ${work.texture.number}` : "";
+}
+
 function showProgress() {
   find("cancel").hidden = !state.busy;
   find("resume").hidden = !state.rests;
   find("progress").hidden = !state.busy;
   find("save-now").disabled = !ready();
   const stage = find("stage");
-  if (!state.busy) stage.textContent = state.rests ? "Stopped" : state.fault ? "It could not be made" : ready() ? "Ready" : "";
+  const isDrawn = document.body.dataset.drawn === textureKey();
+  if (!state.busy) stage.textContent = state.rests ? "Stopped" : state.fault ? "It could not be made" : !ready() ? "" : isDrawn ? "Ready" : "Drawing…";
   else if (!stage.dataset.busy) stage.textContent = "Working…";
   stage.dataset.busy = state.busy ? "1" : "";
   document.body.dataset.ready = String(ready());
 }
+
+/** What was warned about in the last state. */
+let warned = [];
 
 function showMessages(work) {
   if (state.fault) notice(state.fault.error, { hint: state.fault.hint, fault: true, key: "fault" });
   else forget("fault");
   if (work.notKept) notice(work.notKept, { fault: true, key: "kept" });
   else forget("kept");
+  for (const text of state.warnings.filter(text => !warned.includes(text))) notice(text, { key: text });
+  warned = state.warnings;
   if (work.restored && !showMessages.told?.has(work.id)) {
     (showMessages.told ??= new Set()).add(work.id);
     notice(`The work of last time goes on: ${work.keptIn}`, { hint: "Save has a button to begin anew.", key: "restored" });
@@ -136,6 +148,8 @@ function loadPictures(work) {
     shown.photograph = of;
     Object.assign(view, { photograph: null, redrawn: null, texture: null, fitted: true });
     view.selected.clear();
+    view.tiles = find("tiles").checked = false;
+    if (view.pen) paint.take(view.pen);
     Object.assign(shown, { redrawn: "", texture: "", elements: "" });
     if (work.size) picture({ of: "photograph" }).then(image => { view.photograph = { image, size: work.size }; view.fitted ? view.fit() : view.draw(); }, () => { shown.photograph = ""; });
   }
@@ -148,9 +162,9 @@ function loadPictures(work) {
   const categories = `${found} ${work.analysis?.version}`;
   if (work.elements && shown.elements !== categories) {
     shown.elements = categories;
-    askJson("elements").then(({ version, size, outlines, places, categories }) => {
+    askJson("elements").then(({ version, size, outlines, places, names, categories }) => {
       if (version !== view.elements.version) { view.selected.clear(); view.hovered = -1; }
-      view.elements = { version, size, places, paths: outlines.map(path => new Path2D(path)), categories };
+      view.elements = { version, size, places, paths: outlines.map(path => new Path2D(path)), names, categories };
       mend.show(state.work);
       view.draw();
     }, () => { shown.elements = ""; });
@@ -166,7 +180,7 @@ function loadTexture() {
   const wanted = view.zoom * (devicePixelRatio || 1);
   const fine = [0.5, 1, 2, 4].find(step => step >= wanted * 0.8) ?? 4;
   const scale = texture.draft ? Math.min(1, fine) : fine;
-  const base = `${state.work.id} ${texture.number}`;
+  const base = textureKey();
   const key = `${base} ${scale}`;
   if (shown.texture === key || (view.texture?.key === base && view.texture.scale >= scale)) return;
   shown.texture = key;
@@ -174,8 +188,12 @@ function loadTexture() {
   drawing = new AbortController();
   picture({ of: "texture", number: texture.number, scale }, drawing.signal).then(image => {
     const size = [texture.width, texture.height];
-    view.texture = { image, size, whole: texture.whole, draft: texture.draft, scale, key: base };
+    // Around a draft stands the last whole texture, if it has the same size.
+    const { texture: last } = view;
+    const around = texture.draft && last?.whole.join() === texture.whole.join() ? last.draft ? last.around : last.image : null;
+    view.texture = { image, size, whole: texture.whole, draft: texture.draft, around, scale, key: base };
     document.body.dataset.drawn = base;
+    showProgress();
     if (view.fitted) view.fit(); else view.draw();
   }, error => { if (error.name !== "AbortError") shown.texture = ""; });
 }
@@ -280,7 +298,13 @@ find("zoom-in").addEventListener("click", () => view.scale(1.25));
 find("zoom-out").addEventListener("click", () => view.scale(0.8));
 find("zoom-one").addEventListener("click", () => view.scale(1 / view.zoom));
 find("zoom-fit").addEventListener("click", () => view.fit());
-find("tiles").addEventListener("change", event => { view.tiles = event.target.checked; view.fit(); });
+find("tiles").addEventListener("change", event => {
+  view.tiles = event.target.checked;
+  view.fit();
+  const tiles = state.work?.texture?.tiles ?? [];
+  if (view.tiles && !tiles.every(Boolean)) notice("Copies of this texture meet in a seam.", { hint: state.work.kind === "scene" ? undefined : "Set Tile to both, under Steer, for a texture that repeats.", key: "seam" });
+  else forget("seam");
+});
 find("split").addEventListener("input", event => { view.split = event.target.value / 100; view.draw(); });
 for (const input of document.getElementsByName("view")) input.addEventListener("change", () => setView(input.value));
 

@@ -1,10 +1,11 @@
 // The tab Mend: the elements of a photograph, put right by hand.
 
 import { tell } from "./server.js";
+import { Categories } from "./categories.js";
 import { fill, make } from "./dom.js";
 
 const TOOLS = [
-  ["select", "Select", "Click an element; hold Shift to select several. Keys: N and P go to the next and the previous one, Enter selects it."],
+  ["select", "Select", "Click an element; hold Shift to select several, or tap one after the other. Keys: N and P go to the next and the previous one, Enter selects it."],
   ["erase", "Brush away", "What the brush touches becomes background."],
   ["lasso", "Draw one", "Go round what is an element."],
   ["cut", "Cut", "Select an element and draw a line right across it."],
@@ -17,7 +18,8 @@ export class Mend {
     this.tools = make("div");
     this.actions = make("div");
     this.none = make("p", { textContent: "Only the elements of a photograph can be mended: those of drawings, libraries and scenes are as they were drawn or found." });
-    fill(panel, this.none, this.tools, this.actions);
+    this.categories = new Categories(view, { onselect: () => { this.showActions(); this.view.draw(); } });
+    fill(panel, this.none, this.tools, this.actions, this.categories.panel);
     this.showTools();
   }
 
@@ -27,6 +29,7 @@ export class Mend {
     this.none.hidden = work.kind === "photograph";
     this.tools.hidden = this.actions.hidden = !possible;
     this.showActions();
+    if (!possible) this.categories.panel.hidden = true;
   }
 
   showTools() {
@@ -58,6 +61,7 @@ export class Mend {
         action("Shrink", "shrink", 1, elements => ({ do: "grow", elements, by: -1 }), "By a pixel")),
       make("p", { className: "facts" }, make("span", {}, make("b", { textContent: work?.elements?.count ?? 0 }), " elements"),
         make("span", { textContent: work?.mended ? `kept in ${work.mended}` : "as they were found" })));
+    if (work) this.categories.show(work);
   }
 
   /** A click on an element, or on none. */

@@ -48,7 +48,11 @@ export class Paint {
   /** What was drawn with a pen. */
   stroke(pen, path) {
     const { whole } = this.work.texture;
-    if (pen === "shape") return tell("draw", { size: whole, path });
+    if (pen === "shape") {
+      // The shape is done; dragging moves the picture again.
+      this.take(pen);
+      return tell("draw", { size: whole, path });
+    }
     const { map } = this.view;
     if (!map) return undefined;
     const by = map.width / whole[0], context = map.getContext("2d");

@@ -1,6 +1,9 @@
 //! The elements of a photograph as masks, and how a user mends them.
 
+mod categories;
 mod lines;
+
+pub use categories::{categories_of_library, renumbered};
 
 use lines::check_path;
 use serde::Deserialize;
@@ -15,6 +18,10 @@ pub struct ElementMasks {
     /// Width and height of the photograph, in pixels.
     size: [u32; 2],
     masks: Vec<Mask>,
+    /// Names of the categories that a user has given, each of which has elements; none if analysis finds them.
+    names: Vec<String>,
+    /// The category of each element among these.
+    of: Vec<Option<usize>>,
 }
 
 /// What a user does to elements. Places are pixels of the photograph; elements are counted from 0.
@@ -75,16 +82,17 @@ impl ElementMasks {
         let size = [library.source.width, library.source.height];
         let masks = Mask::all_of_labels(&map, library.primaries().len() + 1);
         let masks = masks.iter().skip(1).map(|mask| mask.stretched([map.width, map.height], size));
-        Self { size, masks: masks.collect() }
+        let masks: Vec<Mask> = masks.collect();
+        Self { size, of: vec![None; masks.len()], masks, names: Vec::new() }
     }
 
     /// Masks of a photograph of a width and a height. Where they overlap, pixels belong to the later one.
     pub fn new(size: [u32; 2], masks: impl IntoIterator<Item = Mask>) -> Self {
-        let mut elements = Self { size, masks: Vec::new() };
+        let mut elements = Self { size, masks: Vec::new(), names: Vec::new(), of: Vec::new() };
         for mask in masks {
             elements.put(mask);
         }
-        elements.masks.retain(|mask| !mask.is_empty());
+        elements.drop_empty();
         elements
     }
 
@@ -164,6 +172,7 @@ impl ElementMasks {
                 }
                 self.masks[*element] = first.clone();
                 self.masks.extend_from_slice(others);
+                self.of.resize(self.masks.len(), self.of[*element]);
             }
             Mending::Grow { elements, by } => {
                 let all = self.check(elements, 1)?;
@@ -173,8 +182,17 @@ impl ElementMasks {
                 self.grow(&all, *by);
             }
         }
-        self.masks.retain(|mask| !mask.is_empty());
+        self.drop_empty();
         Ok(())
+    }
+
+    /// Drops elements without pixels.
+    fn drop_empty(&mut self) {
+        let kept: Vec<bool> = self.masks.iter().map(|mask| !mask.is_empty()).collect();
+        let mut of = kept.iter();
+        self.of.retain(|_| of.next() == Some(&true));
+        self.masks.retain(|mask| !mask.is_empty());
+        self.drop_unused_names(None);
     }
 
     /// The elements without those named twice, if there are at least so many and all exist.
@@ -199,6 +217,7 @@ impl ElementMasks {
         let mask = mask.within([0, 0], [w, h]);
         self.masks.iter_mut().for_each(|other| take(other, &mask));
         self.masks.push(mask);
+        self.of.push(None);
     }
 
     fn grow(&mut self, elements: &[usize], by: i32) {

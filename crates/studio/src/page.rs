@@ -1,7 +1,7 @@
 //! The files of the page, which are part of the program.
 
 /// Name, media type and content of each file.
-const FILES: [(&str, &str, &str); 11] = [
+const FILES: [(&str, &str, &str); 12] = [
     ("", "text/html; charset=utf-8", include_str!("../page/index.html")),
     ("style.css", "text/css; charset=utf-8", include_str!("../page/style.css")),
     ("icon.svg", "image/svg+xml", include_str!("../page/icon.svg")),
@@ -12,6 +12,7 @@ const FILES: [(&str, &str, &str); 11] = [
     ("knobs.js", SCRIPT, include_str!("../page/knobs.js")),
     ("change.js", SCRIPT, include_str!("../page/change.js")),
     ("paint.js", SCRIPT, include_str!("../page/paint.js")),
+    ("categories.js", SCRIPT, include_str!("../page/categories.js")),
     ("mend.js", SCRIPT, include_str!("../page/mend.js")),
 ];
 

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use vtex_base::document;
 use vtex_base::document::Document;
+use vtex_base::file_names::is_device;
 
 /// Work on one photograph, drawing, library or scene, to go on with later. Files are named without a folder:
 /// they lie beside the document.
@@ -82,17 +83,6 @@ pub fn file_name(given: &str) -> Option<String> {
         return Some(format!("_{kept}"));
     }
     (!kept.is_empty()).then(|| kept.to_owned())
-}
-
-/// Whether Windows takes a name for a device, whatever its ending.
-fn is_device(name: &str) -> bool {
-    let stem = name.split('.').next().unwrap_or_default().trim_end().to_ascii_uppercase();
-    let port = stem.strip_prefix("COM").or_else(|| stem.strip_prefix("LPT"));
-    let is_number = |digit: &str| {
-        let mut all = digit.chars();
-        all.next().is_some_and(|c| matches!(c, '0'..='9' | '¹' | '²' | '³')) && all.next().is_none()
-    };
-    matches!(&stem[..], "CON" | "PRN" | "AUX" | "NUL" | "CONIN$" | "CONOUT$") || port.is_some_and(is_number)
 }
 
 #[cfg(test)]

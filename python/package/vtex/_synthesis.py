@@ -32,6 +32,7 @@ def synthesize(
     mirror: bool = False,
     scale_jitter: float = 0.0,
     edge: Literal["keep", "clip", "avoid"] = "clip",
+    exclude: Sequence[str] = (),
     ablate: Sequence[str] = (),
     domain: _inputs.Picture | None = None,
     density: _inputs.Picture | None = None,
@@ -89,6 +90,8 @@ def synthesize(
         Largest change of an element's size either way, 0 to 50 per cent.
     edge : {"clip", "keep", "avoid"}, default "clip"
         What becomes of elements at the edge of a domain.
+    exclude : sequence of str, default ()
+        Names of categories whose elements are left out; their places are background.
     ablate : sequence of str, default ()
         Parts of the method that are left out, for experiments: "secondary", "overlap", "density",
         "decay", "improve", "growth", "removal", "copies", "seeds", "neighbourhoods", "matching"; of
@@ -172,6 +175,7 @@ def synthesize(
         "mirror": mirror,
         "scale_jitter": scale_jitter,
         "edge": edge,
+        "exclude": [exclude] if isinstance(exclude, str) else list(exclude),
         "ablate": [ablate] if isinstance(ablate, str) else list(ablate),
     }
     maps = maps_of(map, len(libraries), "libraries")

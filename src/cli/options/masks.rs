@@ -11,7 +11,8 @@ use std::path::PathBuf;
 #[derive(Args)]
 #[command(next_help_heading = "Segmentation")]
 pub(crate) struct MasksArgs {
-    /// Use the masks of a file: a label PNG (8 or 16 bits, 0 is background) or vtex's own JSON
+    /// Use the masks of a file: a label PNG (8 or 16 bits, 0 is background) or vtex's own JSON, and the categories
+    /// that this names
     #[arg(long, value_name = "FILE", conflicts_with = "segmenter")]
     pub(crate) masks: Option<PathBuf>,
     /// Save the masks found: .masks.json, .masks.json.gz (exact) or .png (labels)

@@ -89,6 +89,10 @@ pub(crate) struct SynthFlags {
     #[arg(long, value_name = "HOW", hide_possible_values = true)]
     #[arg(value_parser = one_of(&["keep", "clip", "avoid"], named::<Edge>))]
     pub(crate) edge: Option<Edge>,
+    /// Leave out the elements of these categories, named as by 'vtex inspect': their places are background
+    /// [default: none]
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
+    pub(crate) exclude: Option<Vec<String>>,
     /// Leave parts of the method out, to see what they do: secondary, overlap, density, decay,
     /// improve, growth, removal, copies, seeds, neighbourhoods, matching; of clusters also
     /// shape-context, link, shape, switch, merge, split, depth; of curves also edge, robust,

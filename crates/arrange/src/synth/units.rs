@@ -59,12 +59,24 @@ fn synthesized(
     memory: Option<&PagesMemory>,
     progress: &dyn Progress,
 ) -> Result<(Scene, SynthReport)> {
-    let (scene, report) = made(libraries, params, controls, memory, progress)?;
+    let kept = excluding(libraries, &params.exclude, progress);
+    let (scene, report) = made(kept.as_deref().unwrap_or(libraries), params, controls, memory, progress)?;
     let scene = match &controls.context {
         Some(context) => with_drawing(scene, &context.drawing),
         None => scene,
     };
     Ok((scene, report))
+}
+
+/// The libraries without the categories of some names; `None` if all stay as they are.
+fn excluding(libraries: &[Library], names: &[String], progress: &dyn Progress) -> Option<Vec<Library>> {
+    let known: Vec<String> = libraries.iter().flat_map(Library::category_names).collect();
+    for name in names.iter().filter(|name| !known.contains(name)) {
+        progress.warn(&format!("there is no category '{name}' to exclude"));
+    }
+    let is_known = names.iter().any(|name| known.contains(name));
+    let kept = |library: &Library| library.excluding(names).unwrap_or_else(|| library.clone());
+    is_known.then(|| libraries.iter().map(kept).collect())
 }
 
 /// The scene without the drawing that it may be made beside.
@@ -184,7 +196,52 @@ fn in_units(error: Error, params: &SynthParams, scale: [f64; 2]) -> Error {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use vtex_base::document::Document;
     use vtex_scene::library::testing::{guided, mosaic};
+
+    #[test]
+    fn excluded_categories_are_not_placed_and_others_cover_about_as_much() {
+        struct Warnings(std::sync::Mutex<Vec<String>>);
+        impl Progress for Warnings {
+            fn warn(&self, message: &str) {
+                self.0.lock().unwrap().push(message.into());
+            }
+        }
+        let whole = guided(&mosaic(140, 14.0, 0.6, 2));
+        let names = whole.category_names();
+        for method in [Method::Correspondence, Method::Descriptor] {
+            let params = |exclude: &[String]| {
+                let exclude = exclude.to_vec();
+                SynthParams { width: 200, height: 160, seed: 3, method, exclude, ..SynthParams::default() }
+            };
+            let made = |exclude: &[String], progress: &dyn Progress| {
+                let libraries = std::slice::from_ref(&whole);
+                synthesize_with(libraries, &params(exclude), &Controls::default(), progress).unwrap()
+            };
+            let (scene, report) = made(&names[1..2], &());
+            assert_eq!(
+                (scene.validate(), &scene.parameters.as_ref().unwrap().exclude[..]),
+                (Ok(()), &names[1..2])
+            );
+            let placed = |category: usize| {
+                let of = |i: &&_| scene.element(i).category.is_some_and(|c| c.index() == category);
+                scene.primary().iter().filter(of).count()
+            };
+            assert!(placed(1) == 0 && placed(0) > 5 && placed(2) > 5, "{method:?}");
+            let [first, second, third] = [0, 1, 2].map(|c| &report.categories[c]);
+            assert_eq!((second.wanted, second.got), (0.0, 0.0));
+            let cover = (first.got + third.got) / (first.wanted + third.wanted);
+            assert!((0.65..1.3).contains(&cover), "{method:?}: {first:?} {third:?}");
+            // A name that no category has changes nothing, and is told.
+            let warnings = Warnings(Default::default());
+            let (plain, _) = made(&[], &());
+            let (other, _) = made(&["no such".into()], &warnings);
+            assert_eq!(other.elements, plain.elements);
+            assert_eq!(*warnings.0.lock().unwrap(), ["there is no category 'no such' to exclude"]);
+            let (empty, _) = made(&names, &());
+            assert!(empty.primary().is_empty());
+        }
+    }
 
     #[test]
     fn a_scene_does_not_depend_on_what_was_made_before() {

@@ -30,7 +30,7 @@ pub(super) fn categorise(elements: &mut [ExemplarElement], shares: &[f64], most:
     order.sort_by_key(|&c| (std::cmp::Reverse(members[c]), c));
     let mut id = vec![0; count];
     order.iter().enumerate().for_each(|(new, &old)| id[old] = new);
-    let mut categories = vec![Category { centre: [0.0; 5], members: 0, coverage: 0.0 }; count];
+    let mut categories = vec![Category { name: None, centre: [0.0; 5], members: 0, coverage: 0.0 }; count];
     for ((element, &c), share) in elements.iter_mut().zip(&of).zip(shares) {
         let category = &mut categories[id[c]];
         let [r, g, b] = element.colour.to_f64();

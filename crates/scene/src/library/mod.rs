@@ -2,6 +2,7 @@
 
 mod arrangement;
 mod categories;
+mod excluded;
 mod guide;
 mod instance;
 mod layer_count;
@@ -225,6 +226,10 @@ impl ExemplarLayer {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Category {
+    /// The name that a user has given to it: 1 to 100 letters, digits, blanks and hyphens, different from those of
+    /// others. Either all categories have one or none has; then their names are the words for their mean colours.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
     /// Mean of its members' features: red, green, blue (0 to 255), area (pixels of the arrangement), compactness (0 to 1).
     pub centre: [f64; 5],
     /// Number of members.
@@ -242,9 +247,12 @@ impl Category {
 }
 
 impl Library {
-    /// Plain names of the categories, in their order, all different: the words for their mean colours.
-    /// Scenes, SVGs and reports use the same names.
+    /// Plain names of the categories, in their order, all different: those that a user has given to them, or the
+    /// words for their mean colours. Scenes, SVGs and reports use the same names.
     pub fn category_names(&self) -> Vec<String> {
+        if let Some(given) = self.categories.iter().map(|c| c.name.clone()).collect() {
+            return given;
+        }
         let colours: Vec<Colour> = self.categories.iter().map(Category::colour).collect();
         colour_names::distinct(&colours)
     }

@@ -32,7 +32,7 @@ pub fn library(map: &LabelMap) -> Library {
     areas.sort_unstable();
     let bound = |k: usize| areas.get(areas.len() * k / 3).copied().unwrap_or(0);
     let category = |area: u32| CategoryId(u16::from(area > bound(1)) + u16::from(area > bound(2)));
-    let mut categories = vec![Category { centre: [0.0; 5], members: 0, coverage: 0.0 }; 3];
+    let mut categories = vec![Category { name: None, centre: [0.0; 5], members: 0, coverage: 0.0 }; 3];
     let mut elements: Vec<ExemplarElement> = masks[1..]
         .iter()
         .enumerate()

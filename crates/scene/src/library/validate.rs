@@ -3,6 +3,7 @@
 use super::{LARGEST_SIDE, Lattice, Library, Role};
 use crate::scene::{check_layer, check_spacing};
 use std::collections::BTreeSet;
+use vtex_base::document::is_category_name;
 
 /// Most backgrounds with fields.
 const MOST_STRATA: usize = 6;
@@ -69,6 +70,16 @@ pub(super) fn validate(l: &Library) -> Result<(), String> {
     validate_layers(l)?;
     super::motif::validate(l)?;
     for (i, c) in l.categories.iter().enumerate() {
+        if c.name.is_some() != l.categories[0].name.is_some() {
+            return Err(format!("categories[{i}] and categories[0] do not both have a name"));
+        }
+        let is_taken =
+            |name: &String| l.categories[..i].iter().any(|other| other.name.as_ref() == Some(name));
+        if c.name.as_ref().is_some_and(|name| !is_category_name(name) || is_taken(name)) {
+            return Err(format!(
+                "categories[{i}].name is taken, or not made of letters, digits, blanks and hyphens"
+            ));
+        }
         share(&format!("categories[{i}].coverage"), c.coverage)?;
         if !c.centre.iter().all(|v| v.is_finite()) {
             return Err(format!("categories[{i}].centre is not finite"));

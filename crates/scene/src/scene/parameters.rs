@@ -60,6 +60,10 @@ pub struct SynthParams {
     /// The rows or the lattice that the texture follows, for [`Method::Correspondence`]: `auto`, `off`, or
     /// one or two vectors in pixels of the exemplar, such as `80,0,40,60`. Default `auto`.
     pub lattice: LatticeChoice,
+    /// Names of categories that are left out: where their elements stand in the exemplar counts as background.
+    /// Default none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub exclude: Vec<String>,
 }
 
 /// The lattice that placement by correspondences follows. As text `auto`, `off`, or two or four numbers with
@@ -322,6 +326,7 @@ impl Default for SynthParams {
             ablate: Vec::new(),
             variation: None,
             lattice: LatticeChoice::default(),
+            exclude: Vec::new(),
         }
     }
 }

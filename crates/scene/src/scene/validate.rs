@@ -2,6 +2,7 @@
 
 use super::{Field, Scene, SynthParams};
 use std::collections::BTreeSet;
+use vtex_base::document::is_category_name;
 use vtex_base::error::clip;
 use vtex_base::geometry::Outline;
 
@@ -14,7 +15,7 @@ pub(super) fn validate(s: &Scene) -> Result<(), String> {
         p.validate().map_err(|e| format!("parameters: {e}"))?;
     }
     for (k, library) in s.libraries.iter().enumerate() {
-        if let Some(i) = library.categories.iter().position(|name| !is_plain_name(name)) {
+        if let Some(i) = library.categories.iter().position(|name| !is_category_name(name)) {
             return Err(format!(
                 "libraries[{k}].categories[{i}] is not made of letters, digits, blanks and hyphens"
             ));
@@ -66,12 +67,6 @@ pub(super) fn validate(s: &Scene) -> Result<(), String> {
         return Err("domain.outline is empty".into());
     }
     Ok(())
-}
-
-/// Whether a name is valid in all formats: not empty, of limited length, and without control characters.
-fn is_plain_name(name: &str) -> bool {
-    (1..=100).contains(&name.chars().count())
-        && name.chars().all(|c| c.is_alphanumeric() || c == ' ' || c == '-')
 }
 
 /// Checks the properties that layers of libraries and of scenes share: a unique name among `names`, and a

@@ -3,12 +3,15 @@
 //! A label PNG holds one mask for each grey value or palette index except 0, which is background. The
 //! JSON (`"format": "vtex-masks"`) also holds scores and overlapping masks.
 
-use super::{ScoredMask, Segmenter};
+mod label_png;
+
+use super::{GivenCategory, ScoredMask, Segmenter};
 use image::RgbImage;
+use label_png::{read_png, write_png};
 #[cfg(feature = "schema")]
 use schemars::{JsonSchema, Schema, schema_for};
 use serde::{Deserialize, Serialize};
-use std::io::{Cursor, Write};
+use std::io::Write;
 use std::path::Path;
 use vtex_base::document::{self, Document};
 use vtex_base::error::{Error, Result};
@@ -37,6 +40,10 @@ struct MasksDocument {
     height: u32,
     /// Name of the segmenter that made the masks, such as `regions`.
     segmenter: String,
+    /// Names of the categories that a user has given to masks, all different. Default: none, so that analysis finds
+    /// categories.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    categories: Vec<String>,
     /// The masks.
     masks: Vec<StoredMask>,
 }
@@ -49,6 +56,9 @@ struct MasksDocument {
 struct StoredMask {
     /// Confidence, 0 to 1.
     score: f32,
+    /// Index of its category. Default: the one that it resembles most.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    category: Option<u16>,
     /// The pixels as horizontal runs: row, first column, last column plus one.
     runs: Vec<[u32; 3]>,
 }
@@ -62,7 +72,12 @@ impl Document for MasksDocument {
         if !sides.contains(&self.width) || !sides.contains(&self.height) {
             return Err(format!("its size {} x {} is not 1 to {LARGEST_SIDE}", self.width, self.height));
         }
+        GivenCategory::check_names(self.categories.iter().map(String::as_str))?;
         for (i, mask) in self.masks.iter().enumerate() {
+            if let Some(category) = mask.category.filter(|&c| usize::from(c) >= self.categories.len()) {
+                let count = self.categories.len();
+                return Err(format!("masks[{i}].category is {category}, there are {count} categories"));
+            }
             if !(0.0..=1.0).contains(&mask.score) {
                 return Err(format!("masks[{i}].score = {} is not 0 to 1", mask.score));
             }
@@ -74,6 +89,36 @@ impl Document for MasksDocument {
         }
         Ok(())
     }
+}
+
+impl MasksDocument {
+    /// Indices of the masks, the largest first.
+    fn smaller_last(&self) -> Vec<usize> {
+        let area = |m: &StoredMask| m.runs.iter().map(|r| u64::from(r[2] - r[1])).sum::<u64>();
+        let areas: Vec<u64> = self.masks.iter().map(area).collect();
+        let mut order: Vec<usize> = (0..areas.len()).collect();
+        order.sort_by_key(|&i| (std::cmp::Reverse(areas[i]), i));
+        order
+    }
+
+    /// The pixels of each category. Where masks overlap, pixels are those of the smaller one.
+    fn given_categories(&self) -> Vec<GivenCategory> {
+        if self.categories.is_empty() {
+            return Vec::new();
+        }
+        let mut map = LabelMap::filled(self.width, self.height, 0);
+        for i in self.smaller_last() {
+            let StoredMask { category, runs, .. } = &self.masks[i];
+            map.fill(&mask_of(runs), category.map_or(0, |category| u32::from(category) + 1));
+        }
+        let masks = Mask::all_of_labels(&map, self.categories.len() + 1).into_iter().skip(1);
+        self.categories.iter().cloned().zip(masks).map(|(name, mask)| GivenCategory { name, mask }).collect()
+    }
+}
+
+fn mask_of(runs: &[[u32; 3]]) -> Mask {
+    let span = |&[y, x0, x1]: &[u32; 3]| Span { y: y as i32, x0: x0 as i32, x1: x1 as i32 };
+    Mask::from_spans(runs.iter().map(span).collect())
 }
 
 /// A segmenter that returns masks read from a file.
@@ -153,11 +198,8 @@ impl Segmenter for MasksFile {
         let (size, mut masks) = match &self.content {
             MasksContent::Document(document) => {
                 let size = check([document.width, document.height])?;
-                let span = |&[y, x0, x1]: &[u32; 3]| Span { y: y as i32, x0: x0 as i32, x1: x1 as i32 };
-                let masks = document.masks.iter().map(|m| ScoredMask {
-                    mask: Mask::from_spans(m.runs.iter().map(span).collect()),
-                    score: m.score,
-                });
+                let masks =
+                    document.masks.iter().map(|m| ScoredMask { mask: mask_of(&m.runs), score: m.score });
                 (size, masks.collect::<Vec<_>>())
             }
             MasksContent::Png(bytes) => {
@@ -174,6 +216,16 @@ impl Segmenter for MasksFile {
         advance(progress, "segmentation", 1, 1)?;
         Ok(masks)
     }
+
+    fn categories(&self, size: [u32; 2]) -> Vec<GivenCategory> {
+        let MasksContent::Document(document) = &self.content else { return Vec::new() };
+        let mut categories = document.given_categories();
+        let own = [document.width, document.height];
+        if own != size {
+            categories.iter_mut().for_each(|category| category.mask = category.mask.stretched(own, size));
+        }
+        categories
+    }
 }
 
 fn same_size(name: &str, found: [u32; 2], image: [u32; 2]) -> Result<()> {
@@ -184,64 +236,40 @@ fn same_size(name: &str, found: [u32; 2], image: [u32; 2]) -> Result<()> {
     Err(Error::Masks(format!("'{name}' is {fw} x {fh} pixels, the image {w} x {h}")))
 }
 
-fn read_png(bytes: &[u8], name: &str, check: impl Fn([u32; 2]) -> Result<[u32; 2]>) -> Result<LabelMap> {
-    let fail = |reason: String| Error::Format { name: name.into(), format: LABEL_PNG, reason };
-    let mut decoder = png::Decoder::new(Cursor::new(bytes));
-    decoder.set_transformations(png::Transformations::IDENTITY);
-    let mut reader = decoder.read_info().map_err(|e| fail(e.to_string()))?;
-    let (info, bits) = (reader.info(), reader.info().bit_depth as usize);
-    check([info.width, info.height])?;
-    if !matches!(info.color_type, png::ColorType::Grayscale | png::ColorType::Indexed) {
-        return Err(fail("it holds colours; labels must be grey values or palette indices".into()));
-    }
-    let length = reader.output_buffer_size().ok_or_else(|| fail("its size overflows".into()))?;
-    let mut data = vec![0; length];
-    let frame = reader.next_frame(&mut data).map_err(|e| fail(e.to_string()))?;
-    let (width, height) = (frame.width as usize, frame.height as usize);
-    let mut labels = Vec::with_capacity(width * height);
-    for row in data.chunks_exact(frame.line_size).take(height) {
-        for x in 0..width {
-            labels.push(match bits {
-                16 => u32::from(u16::from_be_bytes([row[2 * x], row[2 * x + 1]])),
-                8 => u32::from(row[x]),
-                _ => {
-                    let at = x * bits;
-                    u32::from(row[at / 8] >> (8 - bits - at % 8)) & ((1 << bits) - 1)
-                }
-            });
-        }
-    }
-    if labels.len() != width * height {
-        return Err(fail("it holds fewer rows than it says".into()));
-    }
-    Ok(LabelMap { width: frame.width, height: frame.height, labels })
-}
-
 /// Encodes masks of an image. The extension of `path` selects the format. `.png`: labels 1, 2, … in
 /// the order of the masks, as 8-bit grey, or 16-bit above 255 masks; smaller masks are painted over
 /// larger ones. `.json`, `.json.gz`: run-length JSON, lossless. The same masks give the same bytes.
+/// `categories` are those that a user has given, or none; a mask is stored with the one that holds most of it, in
+/// JSON only.
 ///
 /// # Errors
 /// [`Error::Format`] for another extension or more than 65535 masks in a PNG; [`Error::Masks`] for a
-/// mask that extends beyond the image, or a score outside 0 to 1.
+/// mask that extends beyond the image, a score outside 0 to 1, or names of categories that are none.
 pub fn masks_to_bytes(
     path: &Path,
     segmenter: &str,
     width: u32,
     height: u32,
     masks: &[ScoredMask],
+    categories: &[GivenCategory],
 ) -> Result<Vec<u8>> {
     let runs = |m: &ScoredMask| {
         m.mask.spans().iter().map(|s| [s.y as u32, s.x0 as u32, s.x1 as u32]).collect::<Vec<_>>()
     };
-    let stored = masks.iter().map(|m| StoredMask { score: m.score, runs: runs(m) }).collect();
+    let categories_of = GivenCategory::of_all(masks, categories);
+    let stored = masks.iter().zip(categories_of).map(|(m, category)| StoredMask {
+        score: m.score,
+        category: category.map(|category| category as u16),
+        runs: runs(m),
+    });
     let document = MasksDocument {
         format: MasksDocument::FORMAT.into(),
         version: MasksDocument::VERSION,
         width,
         height,
         segmenter: segmenter.into(),
-        masks: stored,
+        categories: categories.iter().map(|category| category.name.clone()).collect(),
+        masks: stored.collect(),
     };
     document.validate().map_err(Error::Masks)?;
     let name = path.to_string_lossy().to_lowercase();
@@ -263,54 +291,18 @@ pub fn masks_to_bytes(
     }
 }
 
-fn write_png(document: &MasksDocument) -> std::result::Result<Vec<u8>, String> {
-    let count = document.masks.len();
-    if count > usize::from(u16::MAX) {
-        return Err(format!("{count} masks are more than a PNG can tell apart; write .json"));
-    }
-    let width = document.width as usize;
-    let mut labels = vec![0u16; width * document.height as usize];
-    let area = |m: &StoredMask| m.runs.iter().map(|r| u64::from(r[2] - r[1])).sum::<u64>();
-    let mut order: Vec<(u64, usize)> = document.masks.iter().map(area).zip(0..).collect();
-    order.sort_unstable_by_key(|&(area, i)| (std::cmp::Reverse(area), i));
-    for (_, i) in order {
-        for &[y, x0, x1] in &document.masks[i].runs {
-            let row = y as usize * width;
-            labels[row + x0 as usize..row + x1 as usize].fill(i as u16 + 1);
-        }
-    }
-    let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, document.width, document.height);
-    encoder.set_color(png::ColorType::Grayscale);
-    let wide = count > usize::from(u8::MAX);
-    encoder.set_depth(if wide { png::BitDepth::Sixteen } else { png::BitDepth::Eight });
-    let data: Vec<u8> = if wide {
-        labels.iter().flat_map(|l| l.to_be_bytes()).collect()
-    } else {
-        labels.iter().map(|&l| l as u8).collect()
-    };
-    // Marks the file as written by vtex; editors do not keep this chunk.
-    encoder.add_text_chunk("Software".into(), vtex_base::PROGRAM.into()).map_err(|e| e.to_string())?;
-    let write = |encoder: png::Encoder<'_, _>| {
-        let mut writer = encoder.write_header()?;
-        writer.write_image_data(&data)?;
-        writer.finish()
-    };
-    write(encoder).map_err(|e: png::EncodingError| e.to_string())?;
-    Ok(bytes)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use proptest::prelude::*;
+    use std::io::Cursor;
 
     fn segment(bytes: Vec<u8>, width: u32, height: u32) -> Result<Vec<ScoredMask>> {
         MasksFile::from_bytes(bytes, "m")?.segment(&RgbImage::new(width, height), &())
     }
 
     fn encode(name: &str, masks: &[ScoredMask]) -> Result<Vec<u8>> {
-        masks_to_bytes(Path::new(name), "regions", 13, 9, masks)
+        masks_to_bytes(Path::new(name), "regions", 13, 9, masks, &[])
     }
 
     fn scored() -> impl Strategy<Value = Vec<ScoredMask>> {
@@ -373,6 +365,35 @@ mod tests {
     }
 
     #[test]
+    fn categories_are_kept_by_name_and_stretched() {
+        let row = |y, x0, x1| Mask::from_spans(vec![Span { y, x0, x1 }]);
+        let given = [("moss", row(2, 0, 9)), ("stone", row(4, 0, 6))];
+        let given = given.map(|(name, mask)| GivenCategory { name: name.into(), mask });
+        let masks = [row(4, 1, 5), row(2, 0, 9), row(7, 0, 3)].map(|mask| ScoredMask { mask, score: 1.0 });
+        let bytes = masks_to_bytes(Path::new("a.json"), "studio", 13, 9, &masks, &given).unwrap();
+        let file = MasksFile::from_bytes(bytes, "a.json").unwrap();
+        let read = file.categories([13, 9]);
+        assert_eq!(read.iter().map(|c| &c.name[..]).collect::<Vec<_>>(), ["moss", "stone"]);
+        assert_eq!([&read[0].mask, &read[1].mask], [&row(2, 0, 9), &row(4, 1, 5)]);
+        let twice = file.categories([26, 18]);
+        assert_eq!(twice[1].mask.area(), 4 * read[1].mask.area());
+        // A mask within another one keeps its own category.
+        let nested = [row(2, 0, 9), row(2, 3, 5)];
+        let own = nested.clone().map(|mask| ScoredMask { mask, score: 1.0 });
+        let [outer, inner] = nested;
+        let given = [("outer", outer.without(&inner)), ("inner", inner.clone())];
+        let given = given.map(|(name, mask)| GivenCategory { name: name.into(), mask });
+        let bytes = masks_to_bytes(Path::new("a.json"), "studio", 13, 9, &own, &given).unwrap();
+        assert_eq!(MasksFile::from_bytes(bytes, "a").unwrap().categories([13, 9]), given);
+        assert!(
+            MasksFile::from_bytes(encode("a.json", &own).unwrap(), "a")
+                .unwrap()
+                .categories([13, 9])
+                .is_empty()
+        );
+    }
+
+    #[test]
     fn palettes_and_few_bits_are_read_by_value() {
         for colour in [png::ColorType::Grayscale, png::ColorType::Indexed] {
             let mut bytes = Vec::new();
@@ -403,6 +424,9 @@ mod tests {
         assert!(with("\"masks\":[]", bad_run).contains("[3, 5, 14]"));
         assert!(with("\"masks\":[]", "\"masks\":[{\"score\":2,\"runs\":[]}]").contains("score"));
         assert!(with("\"masks\":[]", "\"masks\":[],\"more\":1").contains("more"));
+        let unknown = "\"categories\":[\"a\"],\"masks\":[{\"score\":1,\"category\":1,\"runs\":[]}]";
+        assert!(with("\"masks\":[]", unknown).contains("category is 1"));
+        assert!(with("\"masks\":[]", "\"categories\":[\"a\",\"a\"],\"masks\":[]").contains("'a'"));
         let mut colour = Cursor::new(Vec::new());
         RgbImage::new(13, 9).write_to(&mut colour, image::ImageFormat::Png).unwrap();
         assert!(segment(colour.into_inner(), 13, 9).unwrap_err().to_string().contains("colours"));

@@ -3,6 +3,7 @@
 mod disjoint;
 mod felzenszwalb;
 mod flood;
+mod given;
 mod masks_file;
 mod perceptron;
 pub mod prompt;
@@ -15,6 +16,7 @@ mod tiles;
 pub use felzenszwalb::Felzenszwalb;
 pub use felzenszwalb::details;
 pub use flood::flood;
+pub use given::GivenCategory;
 pub use masks_file::{MasksFile, masks_to_bytes};
 pub use perceptron::Perceptron;
 pub use regions::{OneTree, Regions};
@@ -59,6 +61,13 @@ pub trait Segmenter: Send + Sync {
     ) -> Result<Vec<ScoredMask>> {
         let _ = whole;
         self.segment(image, progress)
+    }
+
+    /// Categories that a user has given to its masks, over an image of a width and a height. Elements of none belong to
+    /// the one that they resemble most. None by default: analysis then finds categories.
+    fn categories(&self, size: [u32; 2]) -> Vec<GivenCategory> {
+        let _ = size;
+        Vec::new()
     }
 
     /// Whether the size of elements matters to it. Photographs of large elements are then reduced further.

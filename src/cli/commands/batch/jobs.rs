@@ -7,12 +7,12 @@ use crate::cli::format::stem;
 use crate::cli::input::read_text;
 use crate::cli::options::analyze::SegmenterName;
 use crate::cli::options::masks::MasksFrom;
-use crate::cli::values::is_device;
 use std::collections::BTreeMap;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 use vtex::Error;
+use vtex_base::file_names::is_device;
 
 /// Extensions of pictures in a folder.
 const PICTURES: [&str; 13] =

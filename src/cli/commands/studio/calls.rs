@@ -1,5 +1,6 @@
 //! The calls of the page: what it asks, and what it changes.
 
+use super::categories;
 use super::command_lines::{Commands, Wanted};
 use super::drawing;
 use super::knobs::{stage_of, table};
@@ -23,6 +24,7 @@ use vtex::output::file::Format;
 use vtex::output::png;
 use vtex::scene::Scene;
 use vtex::synth::reconstruct;
+use vtex_studio::elements::categories_of_library;
 use vtex_studio::work::{StudioWork, file_name};
 use vtex_studio::{App, Content, StudioAnswer, StudioCall, Verb};
 
@@ -115,6 +117,7 @@ fn changed(session: &Arc<Session>, call: &StudioCall) -> Answered {
         "open" => open(session, call)?,
         "cancel" => session.cancel(),
         "mend" => drawing::mend(session, content(call)?)?,
+        "categorize" => categories::categorize(session, content(call)?)?,
         "draw" => drawing::draw(session, content(call)?)?,
         "paint" => drawing::paint(session, call)?,
         "side" => drawing::side(session, call)?,
@@ -268,22 +271,19 @@ fn moved_aside(path: &Path) -> Option<PathBuf> {
     std::fs::rename(path, &free).ok().map(|()| free)
 }
 
-/// The outlines of the elements, and the category of each, once they are found.
+/// The outlines of the elements, the names of categories, and the category of each element, once they are found.
 fn elements(session: &Arc<Session>) -> Answered {
-    let (elements, version, categories, size, known) = {
+    let (elements, version, size, library, known) = {
         let work = session.state();
         let one = active(&work)?;
         let (Some(elements), Some(size)) = (one.elements.clone(), one.opened.size) else {
+            let none: [u8; 0] = [];
             return Ok(StudioAnswer::json(
-                &json!({ "version": 0, "size": [1, 1], "outlines": [], "places": [], "categories": [] }),
+                &json!({ "version": 0, "size": [1, 1], "outlines": none, "places": none, "names": none, "categories": none }),
             ));
         };
-        let found: Option<Vec<_>> = one.results.library.as_ref().map(|library| {
-            library.primaries().iter().map(|primary| primary.category.map(|id| id.index())).collect()
-        });
-        let found = found.filter(|found| found.len() == elements.len()).unwrap_or_default();
         let known = one.outlines.clone().filter(|(version, _)| *version == one.elements_version);
-        (elements, one.elements_version, found, size, known)
+        (elements, one.elements_version, size, one.results.library.clone(), known)
     };
     let outlines = match known {
         Some((_, outlines)) => outlines,
@@ -296,9 +296,21 @@ fn elements(session: &Arc<Session>) -> Answered {
             outlines
         }
     };
-    Ok(StudioAnswer::json(
-        &json!({ "version": version, "size": size, "outlines": *outlines, "places": elements.places(), "categories": categories }),
-    ))
+    let given = elements.given_categories();
+    let found = if given.is_empty() {
+        library.map_or_else(Vec::new, |library| categories_of_library(&library))
+    } else {
+        given
+    };
+    let names: Vec<&String> = found.iter().map(|category| &category.name).collect();
+    Ok(StudioAnswer::json(&json!({
+        "version": version,
+        "size": size,
+        "outlines": *outlines,
+        "places": elements.places(),
+        "names": names,
+        "categories": elements.categories_among(&found),
+    })))
 }
 
 /// A picture of the photograph, of its drawing back, or of the texture.
@@ -339,12 +351,10 @@ fn picture(session: &Arc<Session>, call: &StudioCall) -> Answered {
         (Some("density"), _) => {
             let Some(map) = settings.files.get("density") else { return Ok(missing()) };
             // What was painted is transparent where nothing was.
-            let is_png = map.bytes.starts_with(b"\x89PNG");
-            let mut bytes = if is_png { map.bytes.clone() } else { Vec::new() };
-            if !is_png {
-                png::encode_rgb(&image::load_from_memory(&map.bytes)?.into_rgb8(), &mut bytes)?;
+            if map.bytes.starts_with(b"\x89PNG") {
+                return Ok(StudioAnswer::bytes(Content::Png, map.bytes.clone()));
             }
-            Ok(StudioAnswer::bytes(Content::Png, bytes))
+            Ok(StudioAnswer::bytes(Content::Png, stages::density_picture(&map.bytes)?))
         }
         _ => Ok(missing()),
     }

@@ -54,8 +54,12 @@ impl Commands {
             let mut words =
                 vec!["analyze".into(), file.clone(), "-o".into(), library.clone(), "--seed".into(), seed];
             words.extend(settings.masks.iter().flat_map(|masks| named("--masks", &masks.path)));
-            // Masks of a file need no segmenter, and the program refuses both.
-            let kept = |word: &String| settings.masks.is_none() || !word.starts_with("--segmenter=");
+            // Masks of a file need no segmenter, and the program refuses both. Categories of the file are taken.
+            let is_categorized = settings.elements.as_ref().is_some_and(|e| !e.category_names().is_empty());
+            let kept = |word: &String| {
+                !(settings.masks.is_some() && word.starts_with("--segmenter=")
+                    || is_categorized && word.starts_with("--categories="))
+            };
             words.extend(writes(Stage::Analyze).into_iter().filter(kept));
             commands.analyze = Some(words);
             if wanted.format == Format::Library {

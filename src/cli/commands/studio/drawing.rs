@@ -2,6 +2,7 @@
 //! set, unless what it was drawn on has changed meanwhile.
 
 use super::opened::{Opened, put_beside};
+use super::renumbering::following;
 use super::session::{DENSITY, DOMAIN, MASKS, Session};
 use super::settings::{PALETTE, SideFile, StudioSettings, is_side_file};
 use super::stages;
@@ -10,6 +11,7 @@ use crate::cli::failure::Failure;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use vtex::library::Library;
 use vtex_studio::StudioCall;
 use vtex_studio::elements::{ElementMasks, Mending};
 
@@ -30,13 +32,18 @@ pub(super) struct DrawnShape {
 }
 
 /// What a drawing is made on.
-struct Ground {
+pub(super) struct Ground {
     /// The number of the session.
-    id: u64,
-    opened: Arc<Opened>,
-    settings: StudioSettings,
+    pub(super) id: u64,
+    pub(super) opened: Arc<Opened>,
+    pub(super) settings: StudioSettings,
+    /// The elements that the page shows, and their version.
+    pub(super) elements: Option<Arc<ElementMasks>>,
+    pub(super) version: u64,
+    /// What analysis found.
+    pub(super) library: Option<Arc<Library>>,
     /// Where the file is written.
-    path: PathBuf,
+    pub(super) path: PathBuf,
 }
 
 /// What is worked on, for a file with an ending.
@@ -45,7 +52,36 @@ fn ground(session: &Session, ending: &'static str) -> Result<Ground, Failure> {
     let at = work.active;
     let one = work.sessions.get_mut(at).ok_or_else(nothing_open)?;
     let path = one.drawn_path(ending);
-    Ok(Ground { id: one.id, opened: Arc::clone(&one.opened), settings: one.settings().clone(), path })
+    Ok(Ground {
+        id: one.id,
+        opened: Arc::clone(&one.opened),
+        settings: one.settings().clone(),
+        elements: one.elements.clone(),
+        version: one.elements_version,
+        library: one.results.library.clone(),
+        path,
+    })
+}
+
+/// The elements that the page shows, to be changed, and the width and height of their photograph.
+///
+/// # Errors
+/// No elements, or others than those of the version.
+pub(super) fn elements_of(
+    session: &Session,
+    version: u64,
+) -> Result<(Ground, ElementMasks, [u32; 2]), Failure> {
+    let ground = ground(session, MASKS)?;
+    if version != ground.version {
+        return Err(Failure::failed("the elements have changed meanwhile"));
+    }
+    match (&ground.elements, ground.opened.size) {
+        (Some(elements), Some(size)) => {
+            let elements = (**elements).clone();
+            Ok((ground, elements, size))
+        }
+        _ => Err(Failure::failed("there are no elements to mend")),
+    }
 }
 
 /// Sets what `change` makes of what is set by now, and writes it to disk.
@@ -71,22 +107,26 @@ fn put(
 
 /// Mends the elements that the page shows.
 pub(super) fn mend(session: &Session, Mend { version, mending }: Mend) -> anyhow::Result<()> {
-    let elements = {
-        let work = session.state();
-        let one = active(&work)?;
-        if version != one.elements_version {
-            return Err(Failure::failed("the elements have changed meanwhile").into());
-        }
-        one.elements.clone()
-    };
-    let Ground { id, opened, settings, path } = ground(session, MASKS)?;
-    let (Some(elements), Some(size)) = (elements, opened.size) else {
-        return Err(Failure::failed("there are no elements to mend").into());
-    };
-    let mut elements = (*elements).clone();
+    let (ground, mut elements, size) = elements_of(session, version)?;
+    let before = elements.category_names().to_vec();
     elements.mend(&mending).map_err(Failure::failed)?;
+    put_elements(session, (ground, version), (elements, size), &before)
+}
+
+/// Sets elements that were changed. What was set by their categories follows these; `before` are the names before.
+pub(super) fn put_elements(
+    session: &Session,
+    (ground, version): (Ground, u64),
+    (elements, size): (ElementMasks, [u32; 2]),
+    before: &[String],
+) -> anyhow::Result<()> {
+    let Ground { id, settings, path, .. } = ground;
+    let after = elements.category_names().to_vec();
     let StudioSettings { masks, elements, .. } = settings.with_elements(path, size, elements)?;
-    put(session, id, ("", Some(version)), |now| StudioSettings { masks, elements, ..now.clone() })
+    put(session, id, ("", Some(version)), |now| {
+        let now = if after.is_empty() { now.clone() } else { following(now, before, &after) };
+        StudioSettings { masks, elements, ..now }
+    })
 }
 
 /// Most pixels along a side of the page of a shape that is drawn.

@@ -26,7 +26,11 @@ pub(super) enum Stage {
 /// are not among them.
 const OPTIONS: [(&str, Stage, &[&str]); 5] = [
     ("Canvas", Stage::Synth, &["size", "tile"]),
-    ("Placement", Stage::Synth, &["method", "variation", "lattice", "edge", "candidates", "moves"]),
+    (
+        "Placement",
+        Stage::Synth,
+        &["method", "variation", "lattice", "edge", "exclude", "candidates", "moves"],
+    ),
     ("Variety", Stage::Synth, &["rotate", "scale-jitter", "mirror"]),
     (
         "Analysis",

@@ -1,11 +1,13 @@
 //! `vtex studio`: a page on one's own machine, to see, mend, steer, change and save a texture.
 
 mod calls;
+mod categories;
 mod command_lines;
 mod drawing;
 mod follower;
 mod knobs;
 mod opened;
+mod renumbering;
 mod results;
 mod session;
 mod settings;

@@ -1,6 +1,7 @@
 //! Files that are worked on, and those that the page sends.
 
 use crate::cli::failure::Failure;
+use crate::cli::format::stem;
 use crate::cli::input::{Input, InputKind};
 use crate::cli::recipe::sum;
 use std::io::Write;
@@ -66,11 +67,9 @@ impl Opened {
 
     /// The path of a file beside it, named after it.
     pub(super) fn beside(&self, ending: &str) -> PathBuf {
-        let name = self.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let endings = [".lib.json.gz", ".scene.json.gz", ".lib.json", ".scene.json"];
-        let stem = endings.iter().find_map(|known| name.strip_suffix(known));
-        let stem = stem.unwrap_or_else(|| name.rsplit_once('.').map_or(&name[..], |(stem, _)| stem));
-        self.path.with_file_name(format!("{stem}{ending}"))
+        let mut name = stem(&self.path);
+        name.push(ending);
+        self.path.with_file_name(name)
     }
 
     /// The path of the document of its work. The ending of the file stays in its name: a photograph and the library

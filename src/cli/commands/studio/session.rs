@@ -114,7 +114,7 @@ pub(super) fn next_version() -> u64 {
 impl WorkSession {
     pub(super) fn new(opened: Opened, settings: StudioSettings, restored: bool) -> Self {
         let drawn = |(ending, file): (&'static str, Option<&Arc<SideFile>>)| {
-            Some((ending, file.filter(|file| file.drawn.is_some())?.path.clone()))
+            Some((ending, file.filter(|file| file.drawn)?.path.clone()))
         };
         let files = |name: &str| settings.files.get(name);
         let known =

@@ -22,33 +22,34 @@ pub(super) struct SideFile {
     pub(super) path: PathBuf,
     pub(super) bytes: Vec<u8>,
     pub(super) sha256: String,
-    /// Of a file that was drawn in the page, what is to be written: its bytes without the seal that is added then.
-    /// Such a file is replaced as the drawing goes on.
-    pub(super) drawn: Option<Vec<u8>>,
+    /// Whether it was drawn in the page. Such a file is replaced as the drawing goes on.
+    pub(super) drawn: bool,
 }
 
 impl SideFile {
     pub(super) fn new(path: PathBuf, bytes: Vec<u8>) -> Self {
-        Self { sha256: sum(&bytes), path, bytes, drawn: None }
+        Self { sha256: sum(&bytes), path, bytes, drawn: false }
     }
 
-    /// One that was drawn in the page.
+    /// One that was drawn in the page, of content without a seal.
     pub(super) fn drawn(path: PathBuf, content: Vec<u8>) -> Self {
         let mut sealed = Sealed::new(Vec::new());
         // Writing to memory does not fail.
         let sealed = sealed.write_all(&content).and_then(|()| sealed.finish()).unwrap_or_default();
-        Self { drawn: Some(content), ..Self::new(path, sealed) }
+        Self { drawn: true, ..Self::new(path, sealed) }
     }
 
-    /// Whether it was drawn in the page, and is not on disk as it is.
-    fn is_to_be_written(&self) -> Option<&[u8]> {
+    /// What is to be written of a file that was drawn in the page and is not on disk as it is: its content, without the
+    /// seal that is added then.
+    fn to_be_written(&self) -> Option<Vec<u8>> {
         let same = || std::fs::read(&self.path).is_ok_and(|bytes| bytes == self.bytes);
-        self.drawn.as_deref().filter(|_| !same())
+        let content = || without_seal(&self.bytes).unwrap_or_else(|| self.bytes.clone());
+        (self.drawn && !same()).then(content)
     }
 
     fn of_work(&self) -> WorkFile {
         let file = self.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        WorkFile { file, sha256: self.sha256.clone(), drawn: self.drawn.is_some() }
+        WorkFile { file, sha256: self.sha256.clone(), drawn: self.drawn }
     }
 }
 
@@ -102,7 +103,8 @@ impl StudioSettings {
         size: [u32; 2],
         elements: ElementMasks,
     ) -> vtex::Result<Self> {
-        let bytes = masks_to_bytes(&path, "studio", size[0], size[1], &elements.scored())?;
+        let (scored, given) = (elements.scored(), elements.given_categories());
+        let bytes = masks_to_bytes(&path, "studio", size[0], size[1], &scored, &given)?;
         let masks = Some(Arc::new(SideFile::drawn(path, bytes)));
         Ok(Self { masks, elements: Some(Arc::new(elements)), ..self.clone() })
     }
@@ -148,7 +150,7 @@ impl StudioSettings {
     pub(super) fn keep(&self, opened: &Opened) -> vtex::Result<()> {
         let put = |path: &Path, bytes: &[u8]| write_file(path, false, |out| out.write_all(bytes)).map(|_| ());
         for file in self.files.values().chain(&self.masks) {
-            file.is_to_be_written().map_or(Ok(()), |content| put(&file.path, content))?;
+            file.to_be_written().map_or(Ok(()), |content| put(&file.path, &content))?;
         }
         put(&opened.work_path(), &self.work(opened).to_json())
     }
@@ -189,16 +191,12 @@ impl StudioSettings {
                 ("masks", Some(size)) => {
                     // Masks are written before the document: newer ones are those of the last change.
                     let file = read(file)?;
-                    let elements = elements_of(&file, size)?;
-                    let content = masks_to_bytes(&file.path, "studio", size[0], size[1], &elements.scored())?;
-                    settings.elements = Some(Arc::new(elements));
-                    settings.masks = Some(Arc::new(SideFile { drawn: Some(content), ..file }));
+                    settings.elements = Some(Arc::new(elements_of(&file, size)?));
+                    settings.masks = Some(Arc::new(SideFile { drawn: true, ..file }));
                 }
                 (option, _) if is_side_file(option) && file.drawn => {
                     // Like masks.
-                    let SideFile { path, bytes, .. } = read(file)?;
-                    let content = without_seal(&bytes).unwrap_or_else(|| bytes.clone());
-                    let drawn = SideFile { drawn: Some(content), ..SideFile::new(path, bytes) };
+                    let drawn = SideFile { drawn: true, ..read(file)? };
                     settings.files.insert(option.to_owned(), Arc::new(drawn));
                 }
                 (option, _) if is_side_file(option) => {
@@ -217,7 +215,8 @@ fn elements_of(file: &SideFile, size: [u32; 2]) -> vtex::Result<ElementMasks> {
     let masks = MasksFile::from_bytes(file.bytes.clone(), &file.path.display().to_string())?;
     let blank = image::RgbImage::new(size[0], size[1]);
     let found = masks.segment(&blank, &())?;
-    Ok(ElementMasks::new(size, found.into_iter().map(|scored| scored.mask)))
+    let elements = ElementMasks::new(size, found.into_iter().map(|scored| scored.mask));
+    Ok(elements.with_categories(&masks.categories(size)))
 }
 
 #[cfg(test)]

@@ -27,6 +27,7 @@ use vtex::analyze::AnalysisMemory;
 use vtex::edit::{self, Files, Operation};
 use vtex::library::Library;
 use vtex::output::file::{FileKind, Format};
+use vtex::output::png;
 use vtex::scene::Scene;
 use vtex::segment::{MasksFile, Segmenter};
 use vtex::synth::{SynthesisMemory, synthesize_again};
@@ -245,4 +246,21 @@ pub(super) fn check_side(option: &str, bytes: &[u8]) -> anyhow::Result<()> {
         _ => vtex::control::shape(bytes, option, [100, 100]).map(drop)?,
     }
     Ok(())
+}
+
+/// A map of densities as a grey PNG, upright and within the size of control maps.
+///
+/// # Errors
+/// Content that is no picture.
+pub(super) fn density_picture(bytes: &[u8]) -> anyhow::Result<Vec<u8>> {
+    let map = vtex::control::density(bytes, "density")?;
+    let [width, height] = map.size();
+    let canvas = [width, height].map(f64::from);
+    let grey = |x: u32, y: u32| {
+        let density = map.at([x, y].map(|v| f64::from(v) + 0.5), canvas);
+        image::Rgb([(density * 127.5).round() as u8; 3])
+    };
+    let mut png = Vec::new();
+    png::encode_rgb(&image::RgbImage::from_fn(width, height, grey), &mut png)?;
+    Ok(png)
 }

@@ -45,7 +45,7 @@ fn state_of(one: &WorkSession) -> Value {
     let settings = one.settings();
     let library = one.results.library.as_ref();
     let file = |file: &SideFile| file.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let side = |side: &SideFile| json!({ "name": file(side), "sum": side.sha256[..16], "drawn": side.drawn.is_some() });
+    let side = |side: &SideFile| json!({ "name": file(side), "sum": side.sha256[..16], "drawn": side.drawn });
     let files: BTreeMap<_, _> = settings.files.iter().map(|(k, v)| (k, side(v))).collect();
     let kind = match one.opened.kind {
         InputKind::Image => "photograph",
@@ -71,6 +71,7 @@ fn state_of(one: &WorkSession) -> Value {
         "elements": one.elements.as_ref().map(|elements| json!({
             "version": one.elements_version,
             "count": elements.len(),
+            "categorized": !elements.category_names().is_empty(),
         })),
         "analysis": library.map(|library| json!({
             "version": one.results.library_version,

@@ -1,0 +1,60 @@
+//! Libraries of which some categories are not placed.
+
+use super::{Arrangement, Library};
+
+impl Library {
+    /// The library as if the elements of the categories of some names were background: they stand nowhere in its
+    /// arrangement and its layers, and cover nothing. Elements and categories keep their numbers. Such a library is for
+    /// synthesis, not to be stored. `None` if it has no category of these names.
+    pub fn excluding(&self, names: &[String]) -> Option<Self> {
+        let is_out: Vec<bool> = self.category_names().iter().map(|name| names.contains(name)).collect();
+        if !is_out.contains(&true) {
+            return None;
+        }
+        let leaves: Vec<bool> =
+            self.elements.iter().map(|e| e.category.is_some_and(|c| is_out[c.index()])).collect();
+        let mut library = self.clone();
+        let mut map = self.arrangement.to_labels();
+        for label in &mut map.labels {
+            *label = label.checked_sub(1).filter(|&primary| !leaves[primary as usize]).map_or(0, |k| k + 1);
+        }
+        library.arrangement =
+            Arrangement { periodic: self.arrangement.periodic, ..Arrangement::from_labels(&map) };
+        for layer in &mut library.layers {
+            layer.instances.retain(|instance| !leaves[instance.element.index()]);
+        }
+        library.motifs.retain(|motif| !motif.parts.iter().any(|part| leaves[part.element.index()]));
+        for (category, _) in library.categories.iter_mut().zip(&is_out).filter(|(_, is_out)| **is_out) {
+            category.coverage = 0.0;
+        }
+        library.coverage = library.categories.iter().fold(0.0, |sum, c| sum + c.coverage).min(1.0);
+        Some(library)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::library::testing::{library, mosaic};
+    use vtex_base::raster::Mask;
+
+    #[test]
+    fn excluded_elements_are_background_and_others_stay() {
+        let whole = library(&mosaic(96, 12.0, 0.7, 3));
+        let names = whole.category_names();
+        assert!(whole.excluding(&["no such".into()]).is_none() && whole.excluding(&[]).is_none());
+        let without = whole.excluding(&names[1..2]).unwrap();
+        assert_eq!((&without.elements, without.category_names()), (&whole.elements, names));
+        let count = whole.primaries().len() + 1;
+        let [before, after] =
+            [&whole, &without].map(|l| Mask::all_of_labels(&l.arrangement.to_labels(), count));
+        for (k, primary) in whole.primaries().iter().enumerate() {
+            let is_out = primary.category.is_some_and(|c| c.index() == 1);
+            assert_eq!(after[k + 1], if is_out { Mask::default() } else { before[k + 1].clone() });
+        }
+        let expected = whole.categories[0].coverage + whole.categories[2].coverage;
+        assert!((without.coverage - expected).abs() < 1e-12);
+        let placed =
+            |l: &crate::library::Library| l.layers.iter().map(|layer| layer.instances.len()).sum::<usize>();
+        assert_eq!(placed(&whole) - placed(&without), whole.categories[1].members as usize);
+    }
+}
