@@ -62,14 +62,13 @@ fn check_textons(parts: &Parts, group: &Value) {
     for texton in group["textons"].as_array().unwrap() {
         let begin = format!("<g id=\"p{}\" class=\"category-{}\"", texton["id"], texton["category"]);
         let found = picture.split_once(&begin).unwrap_or_else(|| panic!("no {begin}")).1;
-        let mut inside = found.split_once('>').unwrap().1;
-        // Soft ellipses are in a group of their own.
-        let end = match (inside.find("</g>").unwrap(), inside.find("<g ")) {
-            (first, Some(group)) if group < first => first + 4 + inside[first + 4..].find("</g>").unwrap(),
-            (first, _) => first,
-        };
-        inside = &inside[..end];
-        assert!(inside.contains("<path ") && inside.matches("<g ").count() <= 1, "{inside}");
+        let inside = found.split_once('>').unwrap().1;
+        // A base with a soft rim, soft ellipses and the rim are in groups of their own.
+        let mut ends = inside.match_indices("</g>").map(|(at, _)| at);
+        let of_texton =
+            |end: &usize| inside[..*end].matches("<g ").count() == inside[..*end].matches("</g>").count();
+        let inside = &inside[..ends.find(of_texton).unwrap()];
+        assert!(inside.contains("<path ") && inside.matches("<g ").count() <= 3, "{inside}");
         // References lead to parts of the texton, or to a brush on its own line.
         for link in inside.split("xlink:href=\"#").skip(1).map(|rest| rest.split_once('"').unwrap().0) {
             let brush = format!("\n<radialGradient id=\"{link}g\" ");

@@ -53,11 +53,11 @@ function layerText(pane, layer) {
     const gone = [...hidden.categories].map((id) =>
       instances[id] ? instances[id].map((i) => `#p${i}`).join() : `.category-${id}`);
     style = gone.filter(Boolean).map((which) => `${which}{display:none}`).join("");
-    // The first path of a primary is its base, those after it are its details, but for the line along its
-    // outline, and the group of its soft ellipses; definitions and the layers of a shadow are paths beside each
-    // other, too.
+    // The first path of a primary, or with a soft rim the first group, is its base; those after it are its details,
+    // but for the line along its outline, and the groups of its soft ellipses and of its rim. Definitions and the
+    // layers of a shadow are paths beside each other, too.
     if (hidden.layers.has("details")) {
-      style += "path~path:where(:not(.outline)),path~g[clip-path]{display:none}.shadow>path,defs>path,clipPath>path{display:inline}";
+      style += "path~path:where(:not(.outline)),path~g[clip-path],g[fill]~path:where(:not(.outline)),g[fill]~g[clip-path],.rim{display:none}.shadow>path,defs>path,clipPath>path{display:inline}";
     }
   }
   const whole = ["primary", "ellipses"].includes(layer) && scene?.domain === "keep";
