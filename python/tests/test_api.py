@@ -211,6 +211,19 @@ def test_pictures_steer(library):
     assert alpha[100, 100] == 255 and alpha[2, 2] == 0
 
 
+def test_regions_are_filled_and_made_anew_beside_a_drawing():
+    drawing = (ROOT / "examples" / "drawings" / "cells.svg").read_bytes()
+    library = vtex.analyze(drawing)
+    right = b'<svg xmlns="http://www.w3.org/2000/svg" width="300" height="300"><path d="M150 0h150v300h-150z"/></svg>'
+    made = vtex.synthesize(library, seed=1, context=drawing, region=right, anew=True, source=right)
+    assert made == vtex.synthesize(library, seed=1, context=drawing, region=right, anew=True, source=right)
+    layers = {layer["name"]: layer for layer in made.to_dict()["layers"]}
+    assert len(layers["drawn"]["instances"]) > 5 and len(layers["predicted"]["instances"]) > 5
+    for wrong in ({"anew": True}, {"source": right}, {"context": drawing}):
+        with pytest.raises(vtex.InputError, match="context"):
+            vtex.synthesize(library, **wrong)
+
+
 @pytest.mark.parametrize(
     ("schema", "definition", "function"),
     [
@@ -226,7 +239,7 @@ def test_parameters_have_the_names_and_defaults_of_the_schema(schema, definition
     named = {"width": "size", "height": "size"}
     differently = {"width", "height", "weights", "tile", "wrap"}
     # Defaults that files leave out, and schemas with them.
-    unstored = {"group": "auto"}
+    unstored = {"group": "auto", "exclude": []}
     for name, field in fields.items():
         assert named.get(name, name) in signature, name
         if name not in differently:
