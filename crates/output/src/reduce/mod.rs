@@ -2,8 +2,8 @@
 //!
 //! Reductions form a ladder, the least visible first: fewer decimals; outlines with fewer segments, at a
 //! small tolerance; the least visible details and secondaries, a share of all at a time, with larger and
-//! larger tolerances, the largest without soft rims. A bisection finds the first step of the ladder whose file fits. Primaries and the
-//! background always stay as they are.
+//! larger tolerances, the largest without soft rims. A bisection finds the first step of the ladder whose file
+//! fits. Primaries and the background always stay as they are.
 
 mod visibility;
 
