@@ -214,13 +214,20 @@ async function others() {
   await studio.stop();
 }
 
-/** What is painted on the texture, categories left out, a palette from a picture; two files of one name. */
-async function painted() {
+/** A studio with a corner of the leaves and a texture of 360 × 300 px, once it is made. */
+async function smallLeaves() {
   const studio = await Studio.start(await corner("leaves.png", 300), ["leaves.png"]);
   const { page } = studio;
   await studio.finished();
   await page.fill("#knob-size", "360");
   await studio.made(async () => { await page.fill("[aria-label='Height of the canvas']", "300"); await page.keyboard.press("Tab"); });
+  return studio;
+}
+
+/** What is painted on the texture, categories left out, a palette from a picture; two files of one name. */
+async function painted() {
+  const studio = await smallLeaves();
+  const { page } = studio;
   const whole = (await studio.state()).work.texture.elements;
   const stroke = async (...places) => {
     const [first, ...others] = await Promise.all(places.map(place => studio.at(...place)));
@@ -289,11 +296,8 @@ async function painted() {
 
 /** Categories renamed, merged, filled by hand and left out, with undo; they are in the library, the scene and the SVG. */
 async function categories() {
-  const studio = await Studio.start(await corner("leaves.png", 300), ["leaves.png"]);
+  const studio = await smallLeaves();
   const { page } = studio;
-  await studio.finished();
-  await page.fill("#knob-size", "360");
-  await studio.made(async () => { await page.fill("[aria-label='Height of the canvas']", "300"); await page.keyboard.press("Tab"); });
   await studio.tab("change");
   await studio.made(async () => {
     await page.selectOption("#operation", "tint");
