@@ -151,7 +151,7 @@ pub mod library {
     pub use vtex_scene::library::{
         AnalyzeParams, Arrangement, Categories, Category, CategoryId, ElementId, ExemplarElement,
         ExemplarInstance, ExemplarLayer, Gradient, Grouping, Guide, Lattice, Library, Motif, MotifGrouping,
-        MotifPart, Picture, Role, Shading, Shape, Source, SourceKind, Stratum,
+        MotifPart, Picture, PictureKind, Role, Shading, Shape, Source, SourceKind, Stratum,
     };
 }
 

@@ -11,7 +11,7 @@ use vtex::analyze::{Limits, borders_join};
 use vtex::engine::{EngineOptions, NetworkSource, Runtime};
 use vtex::import::{ImportParams, import, is_drawing};
 use vtex::layers::LayerPicture;
-use vtex::library::AnalyzeParams;
+use vtex::library::{AnalyzeParams, PictureKind};
 use vtex::segment::prompt::{Generator, GeneratorParams, Sam};
 use vtex::segment::texton::Texton;
 use vtex::segment::{Felzenszwalb, MasksFile, OneTree, Regions, Segmenter};
@@ -98,14 +98,12 @@ pub(crate) fn analyze(
 ) -> PyResult<Library> {
     let options: AnalysisOptions = from_json(py, options, "analyze")?;
     let found = run(py, progress, move |progress| {
-        let drawing = match &exemplar {
-            PictureInput::Bytes(bytes) if is_drawing(bytes) => Some(&bytes[..]),
-            _ => None,
-        };
+        let is_drawing = options.parameters.kind == PictureKind::Curves
+            || matches!(&exemplar, PictureInput::Bytes(bytes) if is_drawing(bytes));
         // Errors name the file as it was given.
         let file =
             std::path::Path::new(&name).file_name().map_or(name.clone(), |n| n.to_string_lossy().into());
-        if let Some(bytes) = drawing {
+        if is_drawing {
             if masks.is_some() || layer_map.is_some() {
                 return Err(Error::Control {
                     name,
@@ -115,7 +113,7 @@ pub(crate) fn analyze(
                 });
             }
             let params = ImportParams { wrap: options.wrap, analyze: options.parameters };
-            let mut library = import(bytes, &name, &params, progress)?;
+            let mut library = import(&exemplar.into_bytes(&name)?, &name, &params, progress)?;
             library.source.file = file;
             return Ok(library);
         }

@@ -31,6 +31,24 @@ impl PictureInput {
     }
 }
 
+impl PictureInput {
+    /// Its bytes as those of a file: pixels as a PNG.
+    ///
+    /// # Errors
+    /// [`Error::Decode`] for pixels that cannot be encoded.
+    pub(crate) fn into_bytes(self, name: &str) -> vtex::Result<Vec<u8>> {
+        match self {
+            Self::Bytes(bytes) => Ok(bytes.to_vec()),
+            Self::Pixels(image) => {
+                let mut png = Cursor::new(Vec::new());
+                let fail = |e: image::ImageError| Error::Decode { name: name.into(), reason: e.to_string() };
+                image.write_to(&mut png, ImageFormat::Png).map_err(fail)?;
+                Ok(png.into_inner())
+            }
+        }
+    }
+}
+
 /// A picture with the name that errors call it by.
 pub(crate) type Named = (String, PyBackedBytes);
 

@@ -239,7 +239,7 @@ def test_parameters_have_the_names_and_defaults_of_the_schema(schema, definition
     named = {"width": "size", "height": "size"}
     differently = {"width", "height", "weights", "tile", "wrap"}
     # Defaults that files leave out, and schemas with them.
-    unstored = {"group": "auto", "exclude": []}
+    unstored = {"group": "auto", "kind": "photo", "exclude": []}
     for name, field in fields.items():
         assert named.get(name, name) in signature, name
         if name not in differently:

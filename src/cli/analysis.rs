@@ -22,7 +22,7 @@ use vtex::Progress;
 use vtex::analyze::{AnalysisMemory, Exemplar, Limits, analyze_again, borders_join};
 use vtex::engine::{EngineChoice, EngineOptions, NetworkSource, choose};
 use vtex::import::{ImportParams, import};
-use vtex::library::{AnalyzeParams, Library};
+use vtex::library::{AnalyzeParams, Library, PictureKind};
 use vtex::output::file::{FileKind, Format};
 use vtex::scene::{Scene, splat};
 use vtex::segment::prompt::{Generator, GeneratorParams, Sam};
@@ -159,7 +159,7 @@ pub(crate) fn library_of(
         Input::Stdin => "-".into(),
         Input::File(path) => path.file_name().unwrap_or(path.as_os_str()).to_string_lossy(),
     };
-    if kind == input::InputKind::Svg {
+    if kind == input::InputKind::Svg || analysis.parameters.kind == PictureKind::Curves {
         check_drawing(analysis)?;
         let params = ImportParams { wrap: analysis.wrap, analyze: analysis.parameters.clone() };
         let mut library = import(&bytes, &analysis.input.name(), &params, reporter)?;

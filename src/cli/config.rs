@@ -311,8 +311,9 @@ impl Parameters {
                 let mut t = table(Table::try_from(&AnalyzeParams { seed: 0, ..self.analyze.clone() }));
                 t.insert("segmenter".into(), Value::try_from(self.segmenter).expect("a name"));
                 t.insert("wrap".into(), Value::try_from(self.wrap).expect("a word"));
-                // Libraries do not store the default.
+                // Libraries do not store these defaults.
                 t.insert("group".into(), Value::try_from(self.analyze.group).expect("a word"));
+                t.insert("kind".into(), Value::try_from(self.analyze.kind).expect("a word"));
                 t
             }
             "synth" => {
@@ -423,7 +424,7 @@ mod tests {
     fn every_parameter_has_an_option() {
         assert_eq!(
             fields(AnalyzeParams::default(), &["seed"]),
-            sorted_keys("analyze", &["segmenter", "group"])
+            sorted_keys("analyze", &["segmenter", "group", "kind"])
         );
         // A variation and categories that are left out are stored only if they are given.
         let handled = ["seed", "width", "height", "weights", "variation"];

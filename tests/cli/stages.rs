@@ -44,7 +44,7 @@ fn transparency_is_warned_of() {
     });
     folder.write("clear.png", encode(&clear.into(), ImageFormat::Png));
     let run = folder.run("analyze clear.png").succeeds();
-    assert!(run.stderr.contains("warning: the photograph is partly transparent"), "{}", run.stderr);
+    assert!(run.stderr.contains("warning: the picture is partly transparent"), "{}", run.stderr);
 }
 
 #[test]

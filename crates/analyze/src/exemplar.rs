@@ -2,7 +2,7 @@
 //!
 //! Colour profiles are ignored: every image is taken for sRGB.
 
-use image::{DynamicImage, GrayAlphaImage, RgbImage, RgbaImage};
+use image::{DynamicImage, RgbImage};
 use sha2::{Digest, Sha256};
 use std::path::Path;
 use vtex_base::error::{Error, Large, Result};
@@ -50,7 +50,7 @@ impl Exemplar {
     /// [`Error::Unusable`] below 32 × 32 pixels or if all pixels have the same colour.
     pub fn from_bytes(bytes: &[u8], name: &str, limits: &Limits) -> Result<Self> {
         let mut warnings = Vec::new();
-        let image = decode(bytes, name, limits, &mut warnings)?;
+        let image = raster::decode_over_white(bytes, name, limits, &mut warnings)?;
         Ok(Self { sha256: sha256(bytes), warnings, ..Self::new(image, name, String::new())? })
     }
 
@@ -68,7 +68,7 @@ impl Exemplar {
             return Err(Error::TooLarge { what: Large::Picture, name: name.into(), found, limit });
         }
         let mut warnings = Vec::new();
-        let image = flatten(image, &mut warnings);
+        let image = raster::over_white(image, &mut warnings);
         let mut hash = Sha256::new();
         hash.update(format!("P6\n{width} {height}\n255\n"));
         hash.update(image.as_raw());
@@ -91,48 +91,6 @@ impl Exemplar {
         }
         Ok(Self { image, file: name.into(), sha256, layers: None, warnings: Vec::new() })
     }
-}
-
-fn decode(bytes: &[u8], name: &str, limits: &Limits, warnings: &mut Vec<String>) -> Result<RgbImage> {
-    let (decoded, orientation) = raster::decode(bytes, name, limits, 3)?;
-    let mut rgb = DynamicImage::ImageRgb8(flatten(decoded, warnings));
-    rgb.apply_orientation(orientation);
-    Ok(rgb.into_rgb8())
-}
-
-/// Composites transparent pixels over white and rounds to 8 bits.
-fn flatten(image: DynamicImage, warnings: &mut Vec<String>) -> RgbImage {
-    let over_white = |v: u8, alpha: u8| {
-        let (v, alpha) = (u32::from(v), u32::from(alpha));
-        ((v * alpha + 255 * (255 - alpha) + 127) / 255) as u8
-    };
-    let mut transparent = false;
-    let flat = match image {
-        DynamicImage::ImageLumaA8(_) | DynamicImage::ImageLumaA16(_) => {
-            let grey: GrayAlphaImage = image.into_luma_alpha8();
-            let mut flat = RgbImage::new(grey.width(), grey.height());
-            for (to, from) in flat.pixels_mut().zip(grey.pixels()) {
-                transparent |= from.0[1] < 255;
-                to.0 = [over_white(from.0[0], from.0[1]); 3];
-            }
-            flat
-        }
-        image if image.color().has_alpha() => {
-            let rgba: RgbaImage = image.into_rgba8();
-            let mut flat = RgbImage::new(rgba.width(), rgba.height());
-            for (to, from) in flat.pixels_mut().zip(rgba.pixels()) {
-                let [r, g, b, alpha] = from.0;
-                transparent |= alpha < 255;
-                to.0 = [r, g, b].map(|v| over_white(v, alpha));
-            }
-            flat
-        }
-        image => image.into_rgb8(),
-    };
-    if transparent {
-        warnings.push("the photograph is partly transparent: it was laid over white".into());
-    }
-    flat
 }
 
 fn sha256(bytes: &[u8]) -> String {

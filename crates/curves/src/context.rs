@@ -93,11 +93,7 @@ impl GivenLines {
 
     /// Whether a place of the window lies in the region. What lies beyond the canvas counts as the nearest place on it.
     pub(crate) fn is_inside(&self, at: [f64; 2]) -> bool {
-        let on_canvas = [0, 1].map(|k| {
-            let v = at[k] + self.low[k];
-            v.clamp(1e-6 * self.canvas[k], (1.0 - 1e-6) * self.canvas[k])
-        });
-        self.region.contains(Point::new(on_canvas[0], on_canvas[1]))
+        self.region.contains_on(self.canvas, Point::new(at[0] + self.low[0], at[1] + self.low[1]))
     }
 
     /// Whether a place lies in the region, on the canvas or up to `margin` beyond it.

@@ -7,7 +7,7 @@
 use crate::graph::{CurveEdge, CurveGraph};
 use vtex_base::disjoint_sets::DisjointSets;
 use vtex_base::error::Result;
-use vtex_base::geometry::plane::{PeriodicPlane, PointIndex, length};
+use vtex_base::geometry::plane::{PeriodicPlane, PointIndex, along, length};
 
 /// Most steps that all strokes are divided into.
 const MOST_STEPS: f64 = 400_000.0;
@@ -155,7 +155,7 @@ impl CurveExemplar {
     fn lines(&self, go_on: &dyn Fn() -> Result<()>) -> Result<Vec<SteppedLine>> {
         let sound = |s: &&CurveStroke| s.points.iter().flatten().all(|v| v.is_finite());
         let strokes: Vec<&CurveStroke> = self.strokes.iter().filter(sound).collect();
-        let total: f64 = strokes.iter().map(|s| crate::graph::along(&s.points)).sum();
+        let total: f64 = strokes.iter().map(|s| along(&s.points)).sum();
         let step = (2.0 * self.weld).max(total / MOST_STEPS);
         let mut fresh: Vec<SteppedLine> = Vec::new();
         for (k, stroke) in strokes.iter().enumerate() {
@@ -337,7 +337,7 @@ impl CurveExemplar {
         (ends, from, to): ([u32; 2], [f64; 2], [f64; 2]),
         style: u32,
     ) -> Option<CurveEdge> {
-        let long = crate::graph::along(course);
+        let long = along(course);
         if ends[0] == ends[1] && long < 4.0 * self.weld || long <= 0.0 {
             return None;
         }

@@ -1,6 +1,6 @@
 //! Graphs of curves: nodes at ends, crossings, corners and between, and the edges that join them.
 
-use vtex_base::geometry::plane::{PeriodicPlane, length};
+use vtex_base::geometry::plane::{PeriodicPlane, along, length};
 
 /// Cosine of the largest angle between the two sides of a node at which a curve runs through it smoothly: 40°.
 const SMOOTH: f64 = 0.766;
@@ -233,11 +233,6 @@ pub(crate) fn tangent(course: &[[f64; 2]]) -> [f64; 2] {
     let way = [at[0] - course[0][0], at[1] - course[0][1]];
     let size = length(way);
     if size > 0.0 { [way[0] / size, way[1] / size] } else { [1.0, 0.0] }
-}
-
-/// Length of a course.
-pub(crate) fn along(course: &[[f64; 2]]) -> f64 {
-    course.windows(2).map(|w| length([w[1][0] - w[0][0], w[1][1] - w[0][1]])).sum()
 }
 
 /// A course cut into `count` pieces of the same length.

@@ -27,7 +27,6 @@ mod optimise;
 mod output;
 mod positions;
 mod search;
-mod skeleton;
 #[cfg(test)]
 mod tests;
 mod trace;
@@ -38,5 +37,4 @@ pub use graph::CurveGraph;
 pub use measures::CurveMeasures;
 pub use mend::CurveMends;
 pub use optimise::{CurveLevel, CurveParams, CurveParts, CurveResult, curves, curves_beside};
-pub use skeleton::{Ink, centre_lines};
 pub use trace::TracedCurve;

@@ -1,6 +1,7 @@
 //! Measures of graphs of curves.
 
-use crate::graph::{CurveEdge, CurveGraph, along};
+use crate::graph::{CurveEdge, CurveGraph};
+use vtex_base::geometry::plane::along;
 
 /// Highest number of ends at a node that is told apart.
 const MOST_ENDS: usize = 7;

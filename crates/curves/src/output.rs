@@ -1,8 +1,8 @@
 //! The samples of the result, their edges, and the curves along them.
 
-use crate::graph::{CurveEdge, CurveGraph, along};
+use crate::graph::{CurveEdge, CurveGraph};
 use crate::input::CurveInput;
-use vtex_base::geometry::plane::{PeriodicPlane, PointIndex};
+use vtex_base::geometry::plane::{PeriodicPlane, PointIndex, along};
 
 /// Cosine of the largest angle between an edge and that of the exemplar that it follows: 60°.
 const FOLLOWS: f64 = 0.5;

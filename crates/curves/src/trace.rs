@@ -1,8 +1,8 @@
 //! Curves as paths: chains through opposite directions (§2.4.4), and Béziers fitted to them.
 
 use crate::context::GivenLines;
-use crate::graph::{CurveGraph, EdgeChain, along};
-use vtex_base::geometry::plane::{PeriodicPlane, length};
+use crate::graph::{CurveGraph, EdgeChain};
+use vtex_base::geometry::plane::{PeriodicPlane, along, length};
 use vtex_base::geometry::{BezPath, PathEl, Point, Vec2, fitted_curve};
 use vtex_base::parallel;
 

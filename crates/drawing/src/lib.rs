@@ -2,4 +2,5 @@
 
 pub mod control;
 pub mod import;
+mod line_art;
 pub mod svg_tree;

@@ -39,6 +39,7 @@ def analyze(
     layers: int | Literal["auto", "off"] = "auto",
     layer_order: Sequence[int] = (),
     layer_map: _inputs.Picture | None = None,
+    kind: Literal["photo", "curves"] = "photo",
     elements: Literal["auto", "group", "path", "piece"] = "auto",
     group: Literal["auto", "contact", "none"] = "auto",
     lenient: bool = False,
@@ -116,6 +117,8 @@ def analyze(
         The layers found, counted from 0 at the bottom, from the new bottom to the new top.
     layer_map : path, bytes, file or numpy.ndarray, optional
         A painted map of the photograph's size, in 2 to 6 flat colours, in place of the layers found.
+    kind : {"photo", "curves"}, default "photo"
+        What a picture shows: a photograph, or lines on paper, each of which becomes a stroke along its middle.
     elements : {"auto", "group", "path", "piece"}, default "auto"
         Which shapes of a drawing are one element.
     group : {"auto", "contact", "none"}, default "auto"
@@ -180,6 +183,7 @@ def analyze(
         "wrap": wrap is True,
         "layers": 1 if layers == "off" else layers,
         "layer_order": list(layer_order),
+        "kind": kind,
         "elements": elements,
         "group": group,
         "lenient": lenient,

@@ -32,6 +32,7 @@ class Parameters(TypedDict, total=False):
     layers: int | Literal["auto", "off"]
     layer_order: Sequence[int]
     layer_map: _inputs.Picture | None
+    kind: Literal["photo", "curves"]
     elements: Literal["auto", "group", "path", "piece"]
     group: Literal["auto", "contact", "none"]
     lenient: bool

@@ -8,7 +8,7 @@ use crate::cli::values::{Wrap, named, one_of};
 use clap::{Args, ValueEnum};
 use serde::{Deserialize, Serialize};
 use vtex::Parameter;
-use vtex::library::{AnalyzeParams, Categories, Grouping, MotifGrouping, Shading};
+use vtex::library::{AnalyzeParams, Categories, Grouping, MotifGrouping, PictureKind, Shading};
 
 /// The segmenter that finds the masks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, ValueEnum, Serialize, Deserialize)]
@@ -94,6 +94,11 @@ pub(crate) struct AnalyzeFlags {
     #[arg(hide_possible_values = true)]
     #[arg(value_parser = one_of(&Wrap::NAMES, str::parse::<Wrap>))]
     pub(crate) wrap: Option<Wrap>,
+    /// What a picture shows: a photograph, or lines on paper, each of which becomes a stroke along its middle
+    /// [photo or curves, default: photo]
+    #[arg(long, value_name = "KIND", hide_possible_values = true, help_heading = "Drawings")]
+    #[arg(value_parser = one_of(&["photo", "curves"], named::<PictureKind>))]
+    pub(crate) kind: Option<PictureKind>,
     /// Which shapes of a drawing are one element: small groups, and pieces that belong together by
     /// their places; each group; each path; each connected piece [auto, group, path or piece, default:
     /// auto]

@@ -4,9 +4,6 @@ use vtex_base::geometry::{Affine, CurvePart, Interior, Outline, Point};
 use vtex_scene::element::{ElementId, Line, Shape};
 use vtex_scene::library::{ExemplarElement, ExemplarInstance, Library};
 
-/// Distance from the border at which places of a canvas are taken, as a share of its sides or in pixels.
-const ON_CANVAS: f64 = 1e-6;
-
 /// A drawing that stays as it is, and the region to be filled so that it fits to it (*Continuous Curve Textures*, §2.3).
 /// The texture holds the drawing as the layer `drawn`, and what is made as the layer `predicted`.
 #[derive(Clone, Debug)]
@@ -28,9 +25,7 @@ impl DrawnContext {
     #[must_use]
     pub fn cleared(mut self, canvas: [u32; 2]) -> Self {
         let region = Interior::new(&self.region);
-        let [width, height] = canvas.map(|side| (1.0 - ON_CANVAS) * f64::from(side));
-        let is_inside =
-            |p: Point| region.contains(Point::new(p.x.clamp(ON_CANVAS, width), p.y.clamp(ON_CANVAS, height)));
+        let is_inside = |p: Point| region.contains_on(canvas.map(f64::from), p);
         let drawing = &mut self.drawing;
         let mut elements: Vec<ExemplarElement> = Vec::new();
         for layer in &mut drawing.layers {

@@ -35,6 +35,24 @@ pub enum StructureGuide {
 }
 
 impl Controls {
+    /// Largest density, as many times that of the exemplar.
+    pub(crate) const DENSEST: f64 = 2.0;
+
+    /// The density at a point of a canvas, 1 without a map.
+    pub(crate) fn density_at(&self, point: [f64; 2], canvas: [f64; 2]) -> f64 {
+        self.density.as_ref().map_or(1.0, |map| map.at(point, canvas).clamp(0.0, Self::DENSEST))
+    }
+
+    /// The mean and the largest density of the canvas.
+    pub(crate) fn densities(&self) -> [f64; 2] {
+        let Some(map) = &self.density else { return [1.0; 2] };
+        let (mut sum, mut largest) = (0.0, 0.0f64);
+        for value in map.values().iter().map(|v| f64::from(*v).clamp(0.0, Self::DENSEST)) {
+            (sum, largest) = (sum + value, largest.max(value));
+        }
+        [sum / map.values().len() as f64, largest]
+    }
+
     /// Checks that the maps fit the libraries.
     ///
     /// # Errors

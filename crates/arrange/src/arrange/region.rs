@@ -17,8 +17,6 @@ use vtex_scene::scene::Edge;
 const OUTSIDE: u8 = u8::MAX;
 /// Steps of density; zone k stands for k / STEP.
 const STEP: f64 = 8.0;
-/// Highest density, relative to the exemplar's.
-const DENSEST: f64 = 2.0;
 /// Densities that correspondence fields serve, relative to the exemplar's.
 const CARRIED: std::ops::RangeInclusive<f64> = 0.5..=1.25;
 /// Largest wanted coverage as a share of the canvas, whatever the density.
@@ -47,7 +45,7 @@ impl<'a> PlacementRegion<'a> {
     pub(crate) fn new(grid: &Grid, controls: &'a Controls, edge: Edge, carried: bool) -> Self {
         let canvas = grid.canvas();
         let libraries = controls.shares.len().max(1);
-        let zone_count = if controls.density.is_some() { (DENSEST * STEP) as usize + 1 } else { 1 };
+        let zone_count = if controls.density.is_some() { (Controls::DENSEST * STEP) as usize + 1 } else { 1 };
         // Without a domain, the canvas is the domain.
         let bounded = controls.domain.is_some() || edge != Edge::Clip;
         let mut region = Self {
@@ -210,7 +208,7 @@ impl<'a> PlacementRegion<'a> {
 
     /// Density relative to the exemplar's at a point of the canvas, 0 to 2.
     pub(crate) fn density(&self, point: [f64; 2]) -> f64 {
-        self.controls.density.as_ref().map_or(1.0, |map| map.at(point, self.canvas).clamp(0.0, DENSEST))
+        self.controls.density_at(point, self.canvas)
     }
 
     /// Share of each library at a point of the canvas; they add up to 1. Where all maps are black, the first

@@ -27,6 +27,9 @@ use vtex_scene::scene::{Ablation, LibraryId, Scene, SynthParams};
 pub(super) fn check(libraries: &[Library], params: &SynthParams, controls: &Controls) -> Result<()> {
     let refused = |allowed| refusal("clustered", allowed);
     let library = single_drawing(libraries, params, controls).map_err(refused)?;
+    if controls.density.is_some() {
+        return Err(refused("without a map of densities"));
+    }
     let clipped = library.primaries().iter().filter(|e| e.clipped).count();
     if clipped > 0 && library.arrangement.periodic {
         return Err(refused(

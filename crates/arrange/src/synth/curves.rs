@@ -1,6 +1,7 @@
 //! Drawings of lines that run on, made anew as curves ([`vtex_curves`]), or continued.
 
 use super::compose::{Placement, What, blank, compose, compose_drawing};
+use super::line_density::thinned;
 use super::line_drawing::{LineDrawing, is_line};
 use super::report::{CurveReport, SynthReport};
 use super::samples_picture::graph_picture;
@@ -29,6 +30,9 @@ const LINES: &str = "for a drawing of lines: strokes, or filled shapes that are 
 /// [`Error::Parameter`] that says what prevents it.
 pub(super) fn check(libraries: &[Library], params: &SynthParams, controls: &Controls) -> Result<()> {
     let library = single_drawing(libraries, params, controls).map_err(|allowed| refusal(METHOD, allowed))?;
+    if controls.density.is_some() && controls.context.is_some() {
+        return Err(refusal(METHOD, "without a map of densities, where a drawing stands"));
+    }
     let (mut lines, mut others) = (0.0, 0.0);
     for shape in library.primaries().iter().flat_map(|e| &e.shapes) {
         *(if is_line(shape) { &mut lines } else { &mut others }) += shape.area();
@@ -64,12 +68,16 @@ pub(super) fn synthesize(
         drawing = LineDrawing::new(library, page(false), by_look, &go_on)?;
         graph = drawing.exemplar.graph(&go_on)?;
     }
+    // Lines are made as densely as the densest place asks for, and shown as densely as each place does.
+    let canvas = [params.width, params.height].map(f64::from);
+    let [mean_density, largest_density] = controls.densities();
+    let dense = largest_density.max(1.0);
     let asked = CurveParams {
-        size: [params.width, params.height].map(f64::from),
+        size: canvas.map(|side| dense * side),
         tile: [params.tile.x, params.tile.y],
         seed: params.seed,
         variation: params.variation.unwrap_or(1.0),
-        tolerance: TOLERANCE * drawing.thinnest,
+        tolerance: dense * TOLERANCE * drawing.thinnest,
         without: CurveParts {
             no_edge: params.without(Ablation::Edge),
             no_robust: params.without(Ablation::Robust),
@@ -89,8 +97,17 @@ pub(super) fn synthesize(
     advance(progress, "curves", 1, 2)?;
     for (number, level) in found.levels.iter().enumerate() {
         progress.picture(&format!("graph-{}", number + 1), &|| {
-            graph_picture(level, [params.width, params.height])
+            graph_picture(level, asked.size.map(|side| libm::ceil(side) as u32))
         });
+    }
+    if controls.density.is_some() {
+        for curve in &mut found.curves {
+            curve.path.apply_affine(Affine::scale(1.0 / dense));
+            curve.shown_length /= dense;
+        }
+        let plane = PeriodicPlane { size: canvas, wraps: asked.tile };
+        let density = |at| controls.density_at(plane.wrapped(at), canvas) / dense;
+        found.curves = thinned(std::mem::take(&mut found.curves), plane, density, &go_on)?;
     }
     found.curves.sort_by_key(|c| (drawing.styles[c.style as usize].layer, c.style));
     let elements: Vec<(Element, Point, usize)> =
@@ -110,8 +127,11 @@ pub(super) fn synthesize(
         compose_drawing(library, &params, controls, placements)
     };
     let mut categories = drawing.covered(library, &found, &params);
-    let canvas = f64::from(params.width) * f64::from(params.height);
-    let share = controls.context.as_ref().map_or(1.0, |beside| (beside.region.area() / canvas).min(1.0));
+    let area = canvas[0] * canvas[1];
+    let share = match &controls.context {
+        Some(beside) => (beside.region.area() / area).min(1.0),
+        None => mean_density,
+    };
     categories.iter_mut().for_each(|c| c.wanted *= share);
     advance(progress, "curves", 2, 2)?;
     let report = SynthReport {

@@ -8,7 +8,8 @@ use vtex_base::error::Result;
 use vtex_base::geometry::plane::PeriodicPlane;
 use vtex_base::geometry::{Affine, Curve, PathEl, Point};
 use vtex_base::raster::colour::Colour;
-use vtex_curves::{CurveExemplar, CurveResult, CurveStroke, Ink, TracedCurve, centre_lines};
+use vtex_base::raster::{CentreLine, Ink, centre_lines};
+use vtex_curves::{CurveExemplar, CurveResult, CurveStroke, TracedCurve};
 use vtex_scene::element::{Cap, CategoryId, ElementId, Join, Line, Shape};
 use vtex_scene::library::Library;
 use vtex_scene::scene::{Element, LibraryId, SynthParams, pixels};
@@ -18,6 +19,8 @@ const THIN: f64 = 5.0;
 /// Cells across the thinnest painted line, and most cells of a page.
 const CELLS: f64 = 20.0;
 const MOST_CELLS: f64 = 6e6;
+/// How far beyond a page that ends painted lines lead, in cells.
+const RIM: usize = 80;
 /// Distance up to which ends meet, in widths of the thinnest line.
 const WELD: f64 = 0.25;
 /// Largest deviation of a stroked path from its points, in widths.
@@ -226,35 +229,27 @@ fn of_path(line: &Line, style: u32) -> Vec<CurveStroke> {
     strokes
 }
 
-/// Lines through their points, and whether they are closed.
-type ThinLines = Vec<(Vec<[f64; 2]>, bool)>;
-
 /// The centre lines of outlines, and their mean width.
 fn thinned(
     shapes: &[Shape],
     page: PeriodicPlane,
     thinnest: f64,
     go_on: &dyn Fn() -> Result<()>,
-) -> Result<(ThinLines, f64)> {
+) -> Result<(Vec<CentreLine>, f64)> {
     let most = libm::sqrt(MOST_CELLS / page.area());
     let fine = (CELLS / thinnest.max(1e-6)).min(most);
-    // Whole cells on a page that repeats; a page that does not has a rim, over which lines lead.
-    let rim = page.wraps.map(|w| if w { 0 } else { 4 * CELLS as i32 });
+    // Whole cells on a page that repeats.
     let count = page.size.map(|s| libm::round(s * fine).max(3.0));
     let by = [count[0] / page.size[0], count[1] / page.size[1]];
-    let size = [0, 1].map(|k| count[k] as usize + 2 * rim[k] as usize);
+    let size = count.map(|v| v as usize);
     let mut ink = Ink { size, wraps: page.wraps, cells: vec![false; size[0] * size[1]] };
     let scale = Affine::scale_non_uniform(by[0], by[1]);
     for shape in shapes {
         go_on()?;
         for span in pixels::mask(&shape.outline.moved(scale)).spans() {
-            let place = |v: i32, k: usize| {
-                let v = v + rim[k];
-                if page.wraps[k] {
-                    Some(v.rem_euclid(size[k] as i32))
-                } else {
-                    (0..size[k] as i32).contains(&v).then_some(v)
-                }
+            let place = |v: i32, k: usize| match page.wraps[k] {
+                true => Some(v.rem_euclid(size[k] as i32)),
+                false => (0..size[k] as i32).contains(&v).then_some(v),
             };
             let Some(row) = place(span.y, 1) else { continue };
             for x in span.x0..span.x1 {
@@ -264,21 +259,8 @@ fn thinned(
             }
         }
     }
-    extend(&mut ink, rim.map(|r| r as usize));
-    let (lines, width) = centre_lines(&ink, go_on)?;
-    let back = |p: [f64; 2]| [0, 1].map(|k| (p[k] - f64::from(rim[k])) / by[k]);
+    let (lines, width) = centre_lines(&ink, RIM, go_on)?;
+    let back = |p: [f64; 2]| [0, 1].map(|k| p[k] / by[k]);
     let lines = lines.into_iter().map(|(points, closed)| (points.into_iter().map(back).collect(), closed));
     Ok((lines.collect(), width / libm::sqrt(by[0] * by[1])))
-}
-
-/// Leads what reaches the border of the page over its rim, so that thinning does not shorten it.
-fn extend(ink: &mut Ink, rim: [usize; 2]) {
-    let size = ink.size;
-    let inner = |v: usize, k: usize| if rim[k] == 0 { v } else { v.clamp(rim[k] + 1, size[k] - rim[k] - 2) };
-    for y in 0..size[1] {
-        for x in 0..size[0] {
-            let from = inner(y, 1) * size[0] + inner(x, 0);
-            ink.cells[y * size[0] + x] = ink.cells[from];
-        }
-    }
 }

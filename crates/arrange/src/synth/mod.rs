@@ -15,6 +15,8 @@ mod covered;
 mod curves;
 mod drawn;
 #[cfg(feature = "curves")]
+mod line_density;
+#[cfg(feature = "curves")]
 mod line_drawing;
 #[cfg(test)]
 mod motif_tests;
@@ -51,6 +53,8 @@ use strata::CanvasStrata;
 use vtex_base::error::{Error, Large, Result};
 use vtex_base::progress::{Progress, advance};
 use vtex_field::correspondence::PagesMemory;
+#[cfg(feature = "curves")]
+use vtex_scene::library::PictureKind;
 use vtex_scene::library::{Library, SourceKind};
 use vtex_scene::scene::field::Interpolant;
 use vtex_scene::scene::{Ablation, InstanceId, Layer, LibraryId, Method, Role, Scene, SynthParams, Weights};
@@ -227,6 +231,12 @@ fn is_drawing(library: &Library) -> bool {
     library.source.kind == SourceKind::Drawing
 }
 
+/// Whether a library was made of a picture of lines.
+#[cfg(feature = "curves")]
+fn is_line_art(library: &Library) -> bool {
+    library.source.parameters.kind == PictureKind::Curves
+}
+
 /// The method that places primaries; chosen by the libraries for [`Method::Auto`].
 ///
 /// # Errors
@@ -248,6 +258,13 @@ fn method(libraries: &[Library], params: &SynthParams, controls: &Controls) -> R
             value: format!("{other:?}").to_lowercase(),
             allowed: "auto or curves beside a drawing that stands".into(),
         }),
+        // Nothing else makes more of lines on paper.
+        #[cfg(feature = "curves")]
+        Method::Auto
+            if libraries.iter().all(is_line_art) && curves::check(libraries, params, controls).is_ok() =>
+        {
+            Ok(Method::Curves)
+        }
         Method::Auto if led && guided && plain => Ok(Method::Correspondence),
         Method::Correspondence if guided => Ok(Method::Correspondence),
         method if led => Err(Error::Parameter {

@@ -16,10 +16,8 @@ pub(super) fn single_drawing<'a>(
         return Err("for a drawing");
     }
     let varied = params.rotate > 0.0 || params.mirror || params.scale_jitter > 0.0;
-    if varied || controls.density.is_some() || controls.structure.is_some() {
-        return Err(
-            "without turned, mirrored or resized elements, and without a map of densities or a guide",
-        );
+    if varied || controls.structure.is_some() {
+        return Err("without turned, mirrored or resized elements, and without a guide");
     }
     if controls.context.is_some() && params.tile.any() {
         return Err("without a tile that repeats, where a drawing stands");

@@ -6,6 +6,8 @@ use kurbo::{Point, Rect};
 
 /// Largest distance between the curve and the polygon that replaces it, in pixels.
 const TOLERANCE: f64 = 0.05;
+/// Distance from the border at which places of a canvas are taken, as a share of its sides.
+const ON_CANVAS: f64 = 1e-6;
 /// Approximate number of edges per row.
 const EDGES_IN_A_ROW: usize = 8;
 
@@ -69,6 +71,13 @@ impl Interior {
             }
         }
         found
+    }
+
+    /// Whether the place of a canvas of a width and height that is nearest to a point lies in the interior.
+    pub fn contains_on(&self, canvas: [f64; 2], point: Point) -> bool {
+        // Outlines that end with the canvas hold places on it, but not its border.
+        let place = |v: f64, side: f64| v.clamp(ON_CANVAS * side, (1.0 - ON_CANVAS) * side);
+        self.contains(Point::new(place(point.x, canvas[0]), place(point.y, canvas[1])))
     }
 
     /// Whether a point lies in the interior.

@@ -49,6 +49,11 @@ pub fn length(v: [f64; 2]) -> f64 {
     libm::sqrt(v[0] * v[0] + v[1] * v[1])
 }
 
+/// Length of a course through points.
+pub fn along(course: &[[f64; 2]]) -> f64 {
+    course.windows(2).map(|w| length([w[1][0] - w[0][0], w[1][1] - w[0][1]])).sum()
+}
+
 /// Most cells of an index along an axis.
 const MOST_CELLS: f64 = 2048.0;
 

@@ -22,6 +22,11 @@ impl ControlMap {
         [self.width, self.height]
     }
 
+    /// The values, row by row.
+    pub fn values(&self) -> &[f32] {
+        &self.values
+    }
+
     /// The value at a point of a canvas of the given size, both in pixels. Bilinear between the centres
     /// of the map's pixels, constant beyond the outermost.
     pub fn at(&self, point: [f64; 2], canvas: [f64; 2]) -> f64 {

@@ -2,6 +2,7 @@
 //! Knows nothing of curves.
 
 pub mod blur;
+mod centre_lines;
 pub mod colour;
 pub mod colour_names;
 mod components;
@@ -13,9 +14,11 @@ mod distance;
 mod labels;
 mod mask;
 pub mod oklab_map;
+mod over_white;
 pub mod picture;
 mod resize;
 
+pub use centre_lines::{CentreLine, Ink, centre_lines};
 pub use components::{Connectivity, components, components_of_mask};
 pub use control_map::ControlMap;
 pub use decode::Limits;
@@ -23,6 +26,7 @@ pub use decode::{LARGEST_SIDE, check_size, decode};
 pub use distance::squared_distance;
 pub use labels::LabelMap;
 pub use mask::{Mask, Span};
+pub use over_white::{decode_over_white, over_white};
 pub use resize::{Filter, resized};
 
 /// The index below `n` of the value that continues a row of `n` values at place `i`: that of the opposite end where the

@@ -10,7 +10,6 @@ use crate::input::{CurveInput, CurveScale, edge_difference};
 use crate::optimise::{CurveParams, CurveParts, CurveResult, curves, level_of};
 use crate::output::CurveOutput;
 use crate::search::search;
-use crate::skeleton::{Ink, centre_lines};
 use crate::trace::{ShownPart, traced};
 use kurbo::{ParamCurveNearest, Point};
 use std::f64::consts::TAU;
@@ -395,28 +394,6 @@ fn pages_whose_borders_do_not_join_are_known() {
     let torn = (0..9).map(|k| line(0.0, 240.0, |x| 15.0 * f64::from(k) + 0.05 * x)).collect();
     let torn = exemplar(page([240.0, 160.0], true), torn);
     assert!(!is_seamless(&torn));
-}
-
-#[test]
-fn centre_lines_of_bands_run_round_the_page_and_meet() {
-    // A band of six cells along each axis, and a bar of five by thirty.
-    let mut ink = Ink { size: [120, 100], wraps: [true; 2], cells: vec![false; 12000] };
-    for y in 0..100 {
-        for x in 0..120 {
-            let bar = (80..110).contains(&x) && (70..75).contains(&y);
-            ink.cells[y * 120 + x] = (20..26).contains(&y) || (40..46).contains(&x) || bar;
-        }
-    }
-    let (lines, width) = centre_lines(&ink, &go_on).unwrap();
-    assert!((width - 6.0).abs() < 0.5, "{width}");
-    let strokes =
-        lines.into_iter().map(|(points, closed)| CurveStroke { points, closed, style: 0 }).collect();
-    let graph = CurveExemplar { page: page([120.0, 100.0], true), strokes, weld: 1.0 }.graph(&go_on).unwrap();
-    let crossing = (0..graph.points.len()).find(|n| graph.degree(*n) == 4).unwrap();
-    let at = graph.points[crossing];
-    assert!((at[0] - 43.0).abs() < 1.0 && (at[1] - 23.0).abs() < 1.0, "{at:?}");
-    assert_eq!((0..graph.points.len()).filter(|n| graph.degree(*n) == 1).count(), 2);
-    assert!((graph.length() - 220.0 - 26.0).abs() < 4.0, "{}", graph.length());
 }
 
 #[test]

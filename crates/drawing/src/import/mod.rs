@@ -1,9 +1,9 @@
 //! Drawing → library: an SVG read as elements in layers.
 //!
-//! The stages, in order: shapes of the page ([`read`]), connected pieces of compound paths ([`pieces`]),
-//! pieces made whole across the borders of a periodic page ([`torus`]), contacts of pieces
-//! (`vtex_base::raster::contact`), division of pieces into elements ([`elements`]), elements that belong
-//! together ([`motifs`]), and the library of it ([`assemble`]).
+//! The stages, in order: lines of a picture as an SVG ([`line_art`]), shapes of the page ([`read`]), connected
+//! pieces of compound paths ([`pieces`]), pieces made whole across the borders of a periodic page ([`torus`]),
+//! contacts of pieces (`vtex_base::raster::contact`), division of pieces into elements ([`elements`]), elements
+//! that belong together ([`motifs`]), and the library of it ([`assemble`]).
 //!
 //! A library has the units of the drawing's page. Its maps have a whole number of pixels for each of them, so
 //! that the shorter side of the page has at least 200 px and the median piece at least eight cells of the
@@ -31,14 +31,15 @@ mod torus;
 
 pub use vtex_scene::library::Grouping;
 
-use crate::svg_tree;
+use crate::{line_art, svg_tree};
 use assemble::{DrawingOrigin, assemble};
+use read::DrawingPage;
 use torus::Torus;
 use vtex_base::error::Result;
 use vtex_base::geometry::Affine;
 use vtex_base::progress::{Progress, advance};
 use vtex_scene::element::Shape;
-use vtex_scene::library::{AnalyzeParams, Library, MotifGrouping};
+use vtex_scene::library::{AnalyzeParams, Library, MotifGrouping, PictureKind};
 
 /// How a drawing is read.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -46,7 +47,7 @@ pub struct ImportParams {
     /// Whether opposite borders of the page join. `None` (the default): tested on the picture. The field of
     /// `analyze` has no effect.
     pub wrap: Option<bool>,
-    /// Parameters, of which `elements`, `group`, `lenient`, `categories` and `descriptor_reach` have an effect.
+    /// Parameters, of which `kind`, `elements`, `group`, `lenient`, `categories` and `descriptor_reach` have an effect.
     pub analyze: AnalyzeParams,
 }
 
@@ -55,8 +56,8 @@ pub fn is_drawing(bytes: &[u8]) -> bool {
     svg_tree::is_svg(bytes)
 }
 
-/// Reads an SVG or SVGZ as a library. `name` appears in errors and in the library. Nothing outside the file
-/// is ever loaded. A drawing that has only a background is permitted: its library has no primaries and a
+/// Reads an SVG or SVGZ, or a picture of lines where `kind` says so, as a library. `name` appears in errors and in the
+/// library. Nothing outside the file is ever loaded. A drawing that has only a background is permitted: its library has no primaries and a
 /// warning.
 ///
 /// # Errors
@@ -64,11 +65,18 @@ pub fn is_drawing(bytes: &[u8]) -> bool {
 /// `lenient`, for raster images, filters, masks, blend modes, pattern fills and clip paths that are not
 /// convex polygons; [`vtex_base::Error::TooLarge`] beyond 64 MiB, 400 000 XML elements or 100 000 shapes, or
 /// for shapes that together paint more than a gigapixel where the page has 200 px;
-/// [`vtex_base::Error::Parameter`], [`vtex_base::Error::Interrupted`].
+/// [`vtex_base::Error::Parameter`], [`vtex_base::Error::Interrupted`]. For a picture of lines also
+/// [`vtex_base::Error::Decode`], and [`vtex_base::Error::Unusable`] below 32 × 32 pixels and where no lines stand out.
 pub fn import(bytes: &[u8], name: &str, params: &ImportParams, progress: &dyn Progress) -> Result<Library> {
     params.analyze.validate()?;
     advance(progress, "drawing", 0, 4)?;
-    let mut page = read::read(bytes, name, params.analyze.lenient, progress)?;
+    let mut page = if params.analyze.kind == PictureKind::Curves && !is_drawing(bytes) {
+        let art = line_art::read(bytes, name, progress)?;
+        let page = read::read(art.svg.as_bytes(), name, params.analyze.lenient, progress)?;
+        DrawingPage { warnings: art.warnings, ..page }
+    } else {
+        read::read(bytes, name, params.analyze.lenient, progress)?
+    };
     advance(progress, "drawing", 1, 4)?;
     let split = matches!(params.analyze.elements, Grouping::Auto | Grouping::Piece);
     let all = page.items.iter().enumerate();

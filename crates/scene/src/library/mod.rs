@@ -21,7 +21,7 @@ pub use categories::Categories;
 pub use guide::{Guide, Picture};
 pub use instance::ExemplarInstance;
 pub use motif::{Motif, MotifPart};
-pub use parameters::{AnalyzeParams, Grouping, MotifGrouping, Shading};
+pub use parameters::{AnalyzeParams, Grouping, MotifGrouping, PictureKind, Shading};
 pub use strata::Stratum;
 
 use crate::element;

@@ -15,6 +15,9 @@ use vtex_base::error::{Result, check};
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct AnalyzeParams {
+    /// What a picture shows. Default a photograph, which is not stored.
+    #[serde(skip_serializing_if = "PictureKind::is_default")]
+    pub kind: PictureKind,
     /// Seed of all random choices. Default 0.
     pub seed: u64,
     /// Area of the smallest primary.
@@ -91,6 +94,25 @@ pub struct AnalyzeParams {
     pub group: MotifGrouping,
     /// Whether parts of a drawing that cannot be read are left out, rather than refused. Default false.
     pub lenient: bool,
+}
+
+/// What a picture shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum PictureKind {
+    /// A photograph of a texture.
+    #[default]
+    Photo,
+    /// Lines on paper, such as a scan of hatching: a drawing, each of whose lines is a stroke.
+    Curves,
+}
+
+impl PictureKind {
+    /// Whether it is the default.
+    fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
 }
 
 /// Which shapes of a drawing are one element.
@@ -180,6 +202,7 @@ impl AnalyzeParams {
 impl Default for AnalyzeParams {
     fn default() -> Self {
         Self {
+            kind: PictureKind::Photo,
             seed: 0,
             minimum_area: Self::MINIMUM_AREA.default(),
             detail_scale: Self::DETAIL_SCALE.default(),

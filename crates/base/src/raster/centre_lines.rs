@@ -1,9 +1,9 @@
 //! Centre lines of thin painted areas: thinning after Zhang and Suen (1984), spurs pruned, lines smoothed.
 
+use crate::disjoint_sets::DisjointSets;
+use crate::error::Result;
+use crate::geometry::plane::{PeriodicPlane, along, length};
 use std::collections::BTreeMap;
-use vtex_base::disjoint_sets::DisjointSets;
-use vtex_base::error::Result;
-use vtex_base::geometry::plane::{PeriodicPlane, length};
 
 /// Longest spur, and longest piece between two junctions that are one, in widths of the area.
 const SPUR: f64 = 1.0;
@@ -26,17 +26,21 @@ pub struct Ink {
 }
 
 /// A line through the middles of cells, and whether it is closed.
-type CentreLine = (Vec<[f64; 2]>, bool);
+pub type CentreLine = (Vec<[f64; 2]>, bool);
 
-/// The centre lines of painted areas, in cells, and their mean width. Lines may lead beyond a page that repeats.
+/// The centre lines of painted areas, in cells, and their mean width. What reaches the border of a page that does not
+/// repeat is led up to `rim` cells beyond it, so that thinning does not shorten it. Lines may lead beyond a page that
+/// repeats, too.
 ///
 /// # Errors
 /// Those of `go_on`.
-pub fn centre_lines(ink: &Ink, go_on: &dyn Fn() -> Result<()>) -> Result<(Vec<CentreLine>, f64)> {
+pub fn centre_lines(ink: &Ink, rim: usize, go_on: &dyn Fn() -> Result<()>) -> Result<(Vec<CentreLine>, f64)> {
+    let rim = ink.wraps.map(|wraps| if wraps { 0 } else { rim });
+    let ink = extended(ink, rim);
     let area = ink.cells.iter().filter(|c| **c).count() as f64;
-    let thin = thinned(ink, go_on)?;
+    let thin = thinned(&ink, go_on)?;
     let paths = paths(&thin);
-    let total: f64 = paths.iter().map(|p| crate::graph::along(&p.points)).sum();
+    let total: f64 = paths.iter().map(|p| along(&p.points)).sum();
     let width = if total > 0.0 { area / total } else { 0.0 };
     go_on()?;
     let paths = joined(pruned(paths, width), &thin, width);
@@ -47,9 +51,28 @@ pub fn centre_lines(ink: &Ink, go_on: &dyn Fn() -> Result<()>) -> Result<(Vec<Ce
         let closed = p.closed && points.first() == points.last();
         (points, closed)
     });
-    let lines: Vec<CentreLine> = lines.collect();
-    let total: f64 = lines.iter().map(|l| crate::graph::along(&l.0)).sum();
+    let mut lines: Vec<CentreLine> = lines.collect();
+    let total: f64 = lines.iter().map(|l| along(&l.0)).sum();
+    for point in lines.iter_mut().flat_map(|l| &mut l.0) {
+        *point = [point[0] - rim[0] as f64, point[1] - rim[1] as f64];
+    }
     Ok((lines, if total > 0.0 { area / total } else { 0.0 }))
+}
+
+/// The ink of a page with a rim, in which the cells next to the border go on.
+fn extended(ink: &Ink, rim: [usize; 2]) -> Ink {
+    let size = [0, 1].map(|k| ink.size[k] + 2 * rim[k]);
+    // The outermost cells, which are often half painted, do not count.
+    let inner = |v: usize, k: usize| {
+        let (low, high) = (1.min(ink.size[k] - 1), ink.size[k].saturating_sub(2));
+        if rim[k] == 0 { v } else { v.saturating_sub(rim[k]).clamp(low, high.max(low)) }
+    };
+    let columns: Vec<usize> = (0..size[0]).map(|x| inner(x, 0)).collect();
+    let cells = (0..size[1]).flat_map(|y| {
+        let row = inner(y, 1) * ink.size[0];
+        columns.iter().map(move |x| ink.cells[row + x])
+    });
+    Ink { size, wraps: ink.wraps, cells: cells.collect() }
 }
 
 /// A path over cells from node to node.
@@ -124,7 +147,7 @@ fn thinned(ink: &Ink, go_on: &dyn Fn() -> Result<()>) -> Result<Ink> {
                 };
                 (2..=6).contains(&count) && rises == 1 && open
             };
-            let goes = vtex_base::parallel::map(&painted, goes);
+            let goes = crate::parallel::map(&painted, goes);
             painted.iter().zip(&goes).filter(|p| *p.1).for_each(|p| thin.cells[*p.0] = false);
             painted = painted.into_iter().zip(goes).filter(|p| !p.1).map(|p| p.0).collect();
         }
@@ -179,7 +202,7 @@ fn pruned(mut paths: Vec<CellPath>, width: f64) -> Vec<CellPath> {
     paths.retain(|p| {
         let [a, b] = p.ends.map(|e| ends[&e]);
         let spur = !p.closed && a.min(b) == 1 && a.max(b) > 2;
-        !(spur && crate::graph::along(&p.points) < SPUR * width)
+        !(spur && along(&p.points) < SPUR * width)
     });
     paths
 }
@@ -196,7 +219,7 @@ fn joined(paths: Vec<CellPath>, thin: &Ink, width: f64) -> Vec<CellPath> {
     let inner = |p: &CellPath| {
         let [a, b] = p.ends;
         let junctions = counts[&a] > 2 && counts[&b] > 2;
-        junctions && !p.closed && crate::graph::along(&p.points) < ONE_JUNCTION * width
+        junctions && !p.closed && along(&p.points) < ONE_JUNCTION * width
     };
     for path in paths.iter().filter(|p| inner(p)) {
         sets.join(number(path.ends[0]), number(path.ends[1]));
@@ -270,4 +293,40 @@ fn smoothed(cells: Vec<[f64; 2]>, closed: bool, reach: usize) -> Vec<[f64; 2]> {
         points = (0..n).map(mean).collect();
     }
     points
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bands_run_round_the_page_and_meet() {
+        // A band of six cells along each axis, and a bar of five by thirty.
+        let mut ink = Ink { size: [120, 100], wraps: [true; 2], cells: vec![false; 12000] };
+        for (x, y) in (0..100).flat_map(|y| (0..120).map(move |x| (x, y))) {
+            let bar = (80..110).contains(&x) && (70..75).contains(&y);
+            ink.cells[y * 120 + x] = (20..26).contains(&y) || (40..46).contains(&x) || bar;
+        }
+        let (lines, width) = centre_lines(&ink, 40, &|| Ok(())).unwrap();
+        assert!((width - 6.0).abs() < 0.5, "{width}");
+        let total: f64 = lines.iter().map(|l| along(&l.0)).sum();
+        assert!((total - 220.0 - 26.0).abs() < 4.0, "{total}");
+        let plane = PeriodicPlane { size: [120.0, 100.0], wraps: [true; 2] };
+        let is_crossing = |p: &[f64; 2]| length(plane.between(*p, [43.0, 23.0])) < 1.5;
+        let ends: Vec<[f64; 2]> = lines.iter().flat_map(|l| [l.0[0], l.0[l.0.len() - 1]]).collect();
+        assert_eq!(ends.iter().filter(|p| is_crossing(p)).count(), 4, "{ends:?}");
+        assert_eq!(ends.len(), 6);
+    }
+
+    #[test]
+    fn lines_lead_over_the_border_of_a_page_that_ends() {
+        let mut ink = Ink { size: [60, 40], wraps: [false; 2], cells: vec![false; 2400] };
+        (0..2400).filter(|i| (18..23).contains(&(i / 60))).for_each(|i| ink.cells[i] = true);
+        let (lines, _) = centre_lines(&ink, 20, &|| Ok(())).unwrap();
+        let [(points, false)] = &lines[..] else { panic!("{lines:?}") };
+        let mut ends = [points[0][0], points[points.len() - 1][0]];
+        ends.sort_by(f64::total_cmp);
+        assert!(ends[0] < -10.0 && ends[1] > 70.0, "{ends:?}");
+        assert!(points.iter().all(|p| (p[1] - 20.5).abs() < 0.6), "{points:?}");
+    }
 }
