@@ -12,6 +12,7 @@ mod files;
 mod help;
 mod large;
 mod layers;
+mod line_art;
 mod messages;
 mod metrics;
 mod models;

@@ -74,7 +74,8 @@ pub(crate) fn place(
         return Vec::new();
     }
     let mut came = correspondence.map_or_else(Vec::new, |c| copied(libraries, map, c, params.seed));
-    let vacated = correspondence.map(|c| VacatedGround::new(map, c)).filter(|ground| !ground.is_empty());
+    let vacated =
+        correspondence.map(|c| VacatedGround::new(libraries, map, c)).filter(|ground| !ground.is_empty());
     if let Some(ground) = vacated {
         came.extend(on_vacated_ground(libraries, map, field, &ground, params));
         came.sort_by_key(|p| p.painting_key(libraries));

@@ -1,11 +1,14 @@
 //! Ground of the canvas whose source in the exemplar lies below a primary that was not placed.
 //!
 //! Secondaries come along the correspondence field with their islands. What the exemplar hides below a primary has
-//! none. Where such a primary is cut at the border of an island and left out, the ground would stay bare.
+//! none. Where such a primary is cut at the border of an island and left out, or is of a category that is not placed, the
+//! ground would stay bare.
 
 use crate::arrange::correspondence::Correspondence;
 use crate::arrange::occupancy::Occupancy;
 use vtex_base::parallel;
+use vtex_base::raster::LabelMap;
+use vtex_scene::library::Library;
 
 /// The vacated cells of a canvas, in cells of the correspondence field.
 pub(super) struct VacatedGround {
@@ -18,13 +21,15 @@ pub(super) struct VacatedGround {
 
 impl VacatedGround {
     /// Finds the ground that primaries have left. Narrow strips beside placed ones do not count.
-    pub(super) fn new(map: &Occupancy<'_>, correspondence: &Correspondence) -> Self {
+    pub(super) fn new(libraries: &[Library], map: &Occupancy<'_>, correspondence: &Correspondence) -> Self {
+        let left_out: Vec<Option<LabelMap>> =
+            libraries.iter().map(|library| library.arrangement.vacated_labels()).collect();
         let cell = correspondence.cell();
         let [columns, rows] = map.grid.canvas().map(|side| (side as u32).div_ceil(cell as u32) as i32);
         let mut bare = vec![None; (columns * rows) as usize];
         parallel::for_chunks(&mut bare, columns as usize, |y, row| {
             for (x, library) in row.iter_mut().enumerate() {
-                *library = bare_library(map, correspondence, [x as i32 * cell, y as i32 * cell]);
+                *library = bare_library(map, correspondence, &left_out, [x as i32 * cell, y as i32 * cell]);
             }
         });
         let around = |i: usize| {
@@ -65,12 +70,18 @@ impl VacatedGround {
 }
 
 /// The library of a cell, given by its corner, that shows no primary but comes from one.
-fn bare_library(map: &Occupancy<'_>, correspondence: &Correspondence, corner: [i32; 2]) -> Option<usize> {
+fn bare_library(
+    map: &Occupancy<'_>,
+    correspondence: &Correspondence,
+    left_out: &[Option<LabelMap>],
+    corner: [i32; 2],
+) -> Option<usize> {
     let cell = correspondence.cell();
     let middle = corner.map(|v| f64::from(v + cell / 2));
     let (library, place) = correspondence.origin(map.model(), middle);
+    let is_covered = |labels: &LabelMap| labels.at(place[0] as i64, place[1] as i64).is_some_and(|l| l != 0);
     let comes_from_primary =
-        correspondence.labels()[library].at(place[0] as i64, place[1] as i64).is_some_and(|label| label != 0);
+        is_covered(&correspondence.labels()[library]) || left_out[library].as_ref().is_some_and(is_covered);
     let is_free = |[x, y]: [i32; 2]| {
         let at = [corner[0] + x + map.grid.margin[0], corner[1] + y + map.grid.margin[1]];
         map.inside(at) && map.grid.cell(at).is_some_and(|i| !map.taken(i))

@@ -70,12 +70,12 @@ pub fn is_drawing(bytes: &[u8]) -> bool {
 pub fn import(bytes: &[u8], name: &str, params: &ImportParams, progress: &dyn Progress) -> Result<Library> {
     params.analyze.validate()?;
     advance(progress, "drawing", 0, 4)?;
-    let mut page = if params.analyze.kind == PictureKind::Curves && !is_drawing(bytes) {
-        let art = line_art::read(bytes, name, progress)?;
+    let (mut page, wrap) = if params.analyze.kind == PictureKind::Curves && !is_drawing(bytes) {
+        let art = line_art::read(bytes, name, params.wrap, progress)?;
         let page = read::read(art.svg.as_bytes(), name, params.analyze.lenient, progress)?;
-        DrawingPage { warnings: art.warnings, ..page }
+        (DrawingPage { warnings: art.warnings, ..page }, Some(art.wrap))
     } else {
-        read::read(bytes, name, params.analyze.lenient, progress)?
+        (read::read(bytes, name, params.analyze.lenient, progress)?, params.wrap)
     };
     advance(progress, "drawing", 1, 4)?;
     let split = matches!(params.analyze.elements, Grouping::Auto | Grouping::Piece);
@@ -96,7 +96,7 @@ pub fn import(bytes: &[u8], name: &str, params: &ImportParams, progress: &dyn Pr
     let scale = assemble::scale(&page, &pieces, name)?;
     let picture = picture::picture(&page, (background, &pieces), scale)
         .map_err(|found| read::fault(name, found.reason, found.advice))?;
-    let (wrap, remark) = match params.wrap {
+    let (wrap, remark) = match wrap {
         Some(wrap) => (wrap, None),
         None if periodic::is_periodic(&picture) => (true, None),
         None => repeated_anyway(&page, &pieces),

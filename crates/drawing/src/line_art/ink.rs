@@ -12,8 +12,11 @@ const BLOCKS: u32 = 48;
 const LEAST_BLOCK: usize = 16;
 /// Share of the pixels of a block, those farthest from the ink, whose mean colour is the paper's.
 const PAPER: f64 = 0.3;
-/// Share of the difference between ink and paper from which on a pixel is ink. Thin lines never reach the whole.
-const INKED: f32 = 0.4;
+/// Share of the difference between ink and paper from which on a pixel is ink, and that for lines so thin, in pixels,
+/// that they never reach the whole.
+const INKED: f32 = 0.5;
+const THINLY_INKED: f32 = 0.4;
+const THIN: f64 = 2.0;
 /// Least difference between ink and paper, in Oklab.
 const LEAST_CONTRAST: f32 = 0.1;
 /// Steps in which the threshold settles.
@@ -25,6 +28,9 @@ const MOST_CELLS: usize = 16_000_000;
 /// Largest speck and largest hole that do not count, in squares of the width of lines.
 const SPECK: f64 = 1.5;
 const HOLE: f64 = 0.5;
+/// Least number of lines that end at a border, and share of their ink with ink opposite, where borders join.
+const FEWEST_AT_BORDER: usize = 6;
+const JOINED: f64 = 0.85;
 
 /// The ink of a picture.
 pub(super) struct InkOfPicture {
@@ -37,11 +43,15 @@ pub(super) struct InkOfPicture {
     pub(super) specks: usize,
 }
 
-/// The ink of a picture, unless nothing stands out from the paper.
+/// The ink of a picture, unless nothing stands out from the paper. `wrap`: whether its borders join; `None` to find out.
 ///
 /// # Errors
 /// Those of `go_on`.
-pub(super) fn ink(image: &RgbImage, go_on: &dyn Fn() -> Result<()>) -> Result<Option<InkOfPicture>> {
+pub(super) fn ink(
+    image: &RgbImage,
+    wrap: Option<bool>,
+    go_on: &dyn Fn() -> Result<()>,
+) -> Result<Option<InkOfPicture>> {
     let size = [image.width() as usize, image.height() as usize];
     let colours = of_pixels(image, oklab);
     go_on()?;
@@ -53,8 +63,10 @@ pub(super) fn ink(image: &RgbImage, go_on: &dyn Fn() -> Result<()>) -> Result<Op
     };
     let difference = parallel::map(&rows, of_row).concat();
     go_on()?;
-    let Some(threshold) = threshold(&difference) else { return Ok(None) };
-    let width = mean_width(&difference, size, threshold);
+    let Some([of_paper, of_ink]) = means(&difference) else { return Ok(None) };
+    let from = |share: f32| of_paper + share * (of_ink - of_paper);
+    let width = mean_width(&difference, size, from(INKED));
+    let threshold = from(if width < THIN { THINLY_INKED } else { INKED });
     let pixels = size[0] * size[1];
     let most = libm::floor(libm::sqrt(MOST_CELLS as f64 / pixels as f64)) as usize;
     let fine = (libm::ceil(CELLS / width) as usize).clamp(1, FINEST).min(most.max(1));
@@ -73,6 +85,7 @@ pub(super) fn ink(image: &RgbImage, go_on: &dyn Fn() -> Result<()>) -> Result<Op
     let specks = flip_small(&mut cells, true, SPECK * square);
     go_on()?;
     flip_small(&mut cells, false, HOLE * square);
+    cells.wraps = [wrap.unwrap_or_else(|| borders_join(&cells, 0.5 * fine as f64 * width)); 2];
     Ok(Some(InkOfPicture { cells, fine, difference, specks }))
 }
 
@@ -146,24 +159,24 @@ fn is_mostly_light(colours: &[[f32; 3]]) -> bool {
     median >= 0.5 * (low + high)
 }
 
-/// The difference from which on pixels are ink: part of the way from the mean of the paper to that of the ink, which it
-/// divides (Ridler and Calvard 1978).
-fn threshold(difference: &[f32]) -> Option<f32> {
+/// The mean difference of the paper and that of the ink, which the middle between them divides (Ridler and Calvard
+/// 1978).
+fn means(difference: &[f32]) -> Option<[f32; 2]> {
     let mut sorted = difference.to_vec();
     let high = sorted.len() - 1 - sorted.len() / 1000;
     let strongest = *sorted.select_nth_unstable_by(high, f32::total_cmp).1;
-    let (mut at, mut of_ink) = (INKED * strongest, strongest);
+    let mut found = [0.0, strongest];
     for _ in 0..STEPS {
+        let middle = 0.5 * (found[0] + found[1]);
         let (mut sums, mut counts) = ([0.0; 2], [0u64; 2]);
         for d in difference {
-            let k = usize::from(*d >= at);
+            let k = usize::from(*d >= middle);
             sums[k] += f64::from(*d);
             counts[k] += 1;
         }
-        let [paper, ink] = [0, 1].map(|k| (sums[k] / counts[k].max(1) as f64) as f32);
-        (at, of_ink) = (paper + INKED * (ink - paper), ink);
+        found = [0, 1].map(|k| (sums[k] / counts[k].max(1) as f64) as f32);
     }
-    (of_ink >= LEAST_CONTRAST).then_some(at)
+    (found[1] - found[0] >= LEAST_CONTRAST).then_some(found)
 }
 
 /// Mean width of lines in pixels: twice their area over the length of their borders.
@@ -181,6 +194,29 @@ fn mean_width(difference: &[f32], [width, height]: [usize; 2], threshold: f32) -
     // Borders along the grid are 4/π times as long, on average over all directions.
     let length = std::f64::consts::FRAC_PI_4 * border as f64;
     if length > 0.0 { (2.0 * area as f64 / length).max(1.0) } else { 1.0 }
+}
+
+/// Whether the ink goes on across the borders: most of what touches a border has ink within `reach` cells on the
+/// opposite one.
+fn borders_join(cells: &Ink, reach: f64) -> bool {
+    let [width, height] = cells.size;
+    let reach = libm::ceil(reach) as usize;
+    let at = |x: usize, y: usize| cells.cells[y * width + x];
+    let column = |x: usize| (0..height).map(|y| at(x, y)).collect::<Vec<_>>();
+    let row = |y: usize| (0..width).map(|x| at(x, y)).collect::<Vec<_>>();
+    let (mut inked, mut met, mut runs) = (0, 0, 0);
+    let mut compare = |a: &[bool], b: &[bool]| {
+        for k in (0..a.len()).filter(|k| a[*k]) {
+            inked += 1;
+            runs += usize::from(k == 0 || !a[k - 1]);
+            met += usize::from(b[k.saturating_sub(reach)..(k + reach + 1).min(b.len())].contains(&true));
+        }
+    };
+    for [one, other] in [[column(0), column(width - 1)], [row(0), row(height - 1)]] {
+        compare(&one, &other);
+        compare(&other, &one);
+    }
+    runs >= FEWEST_AT_BORDER && met as f64 >= JOINED * inked as f64
 }
 
 /// Makes paper of small pieces of ink, or ink of small pieces of paper, and says of how many.

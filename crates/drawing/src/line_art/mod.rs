@@ -33,16 +33,18 @@ const PRECISION: u8 = 2;
 /// A picture of lines as an SVG of strokes, of the picture's size.
 pub(crate) struct LineArt {
     pub(crate) svg: String,
+    /// Whether its borders join.
+    pub(crate) wrap: bool,
     /// What was left out.
     pub(crate) warnings: Vec<String>,
 }
 
-/// Reads a picture of lines. `name` appears in errors.
+/// Reads a picture of lines. `name` appears in errors. `wrap`: whether its borders join; `None` to find out.
 ///
 /// # Errors
 /// [`Error::Decode`], [`Error::TooLarge`]; [`Error::Unusable`] below 32 × 32 pixels and where no lines stand out from
 /// the paper; those of `progress`.
-pub(crate) fn read(bytes: &[u8], name: &str, progress: &dyn Progress) -> Result<LineArt> {
+pub(crate) fn read(bytes: &[u8], name: &str, wrap: Option<bool>, progress: &dyn Progress) -> Result<LineArt> {
     let go_on = || advance(progress, "drawing", 0, 4);
     let unusable = |reason: String| Error::Unusable { name: name.into(), reason };
     let mut warnings = Vec::new();
@@ -54,7 +56,8 @@ pub(crate) fn read(bytes: &[u8], name: &str, progress: &dyn Progress) -> Result<
             "it has {width} x {height} pixels, at least {least} x {least} are needed"
         )));
     }
-    let found = ink(&image, &go_on)?.ok_or_else(|| unusable("no lines stand out from its paper".into()))?;
+    let found =
+        ink(&image, wrap, &go_on)?.ok_or_else(|| unusable("no lines stand out from its paper".into()))?;
     let strokes = strokes(&image, &found, &go_on)?;
     if strokes.is_empty() {
         return Err(unusable("it holds areas and specks, but no lines".into()));
@@ -62,7 +65,9 @@ pub(crate) fn read(bytes: &[u8], name: &str, progress: &dyn Progress) -> Result<
     if found.specks > 0 {
         warnings.push(format!("specks and dots left out ({})", found.specks));
     }
-    Ok(LineArt { svg: svg(&strokes, paper(&image, &found.difference), [width, height]), warnings })
+    let wrap = found.cells.wraps[0];
+    let svg = svg(&strokes, paper(&image, &found.difference), wrap, [width, height]);
+    Ok(LineArt { svg, wrap, warnings })
 }
 
 /// The median colour of the half of the pixels with the least ink.
@@ -75,14 +80,19 @@ fn paper(image: &RgbImage, difference: &[f32]) -> Colour {
 }
 
 /// The strokes as an SVG.
-fn svg(strokes: &[PictureStroke], paper: Colour, [width, height]: [u32; 2]) -> String {
+fn svg(strokes: &[PictureStroke], paper: Colour, wrap: bool, [width, height]: [u32; 2]) -> String {
     let mut text = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} \
          {height}\"><rect width=\"{width}\" height=\"{height}\" fill=\"{paper}\"/><g fill=\"none\" \
          stroke-linecap=\"round\" stroke-linejoin=\"round\">"
     );
-    for stroke in strokes {
-        let mut points: Vec<Point> = stroke.points.iter().map(|p| Point::new(p[0], p[1])).collect();
+    // What crosses a border that joins the opposite one is drawn at both.
+    let page = [width, height].map(f64::from);
+    for (stroke, shift) in
+        strokes.iter().flat_map(|s| copies(s, page, wrap).into_iter().map(move |by| (s, by)))
+    {
+        let place = |p: &[f64; 2]| Point::new(p[0] + shift[0], p[1] + shift[1]);
+        let mut points: Vec<Point> = stroke.points.iter().map(place).collect();
         if stroke.closed && points.first() != points.last() {
             points.extend(points.first().copied());
         }
@@ -94,4 +104,20 @@ fn svg(strokes: &[PictureStroke], paper: Colour, [width, height]: [u32; 2]) -> S
     }
     text.push_str("</g></svg>");
     text
+}
+
+/// The shifts of the copies of a stroke that are seen on a page: one, unless opposite borders join.
+fn copies(stroke: &PictureStroke, page: [f64; 2], wrap: bool) -> Vec<[f64; 2]> {
+    if !wrap {
+        return vec![[0.0; 2]];
+    }
+    let reach = 0.5 * stroke.width;
+    let shifts = [0, 1].map(|k| {
+        let low = stroke.points.iter().map(|p| p[k]).fold(f64::INFINITY, f64::min) - reach;
+        let high = stroke.points.iter().map(|p| p[k]).fold(f64::NEG_INFINITY, f64::max) + reach;
+        let first = libm::floor(low / page[k]) as i64;
+        let last = libm::ceil(high / page[k]) as i64 - 1;
+        (-last..=-first).map(move |n| n as f64 * page[k]).collect::<Vec<f64>>()
+    });
+    shifts[1].iter().flat_map(|y| shifts[0].iter().map(move |x| [*x, *y])).collect()
 }

@@ -52,42 +52,15 @@ pub(super) fn strokes(
     });
     let joined = joined(measured.collect(), ENDING * width);
     go_on()?;
-    let size = [image.width(), image.height()].map(f64::from);
     let stroke = |piece: LinePiece| {
         let points: Vec<[f64; 2]> = piece.points.iter().map(|p| p.map(|v| v / fine)).collect();
         let colour = colour_of(&points, image, &ink.difference);
-        let (width, closed) = (piece.width / fine, piece.closed);
-        let parts = if closed { vec![points] } else { on_page(&points, size) };
-        let long = parts.into_iter().filter(move |points| along(points) >= SHORTEST * width);
-        long.map(move |points| PictureStroke { points, closed, width, colour })
+        PictureStroke { points, closed: piece.closed, width: piece.width / fine, colour }
     };
-    let mut strokes: Vec<PictureStroke> = joined.into_iter().flat_map(stroke).collect();
+    let mut strokes: Vec<PictureStroke> = joined.into_iter().map(stroke).collect();
+    strokes.retain(|s| along(&s.points) >= SHORTEST * s.width);
     even_out(&mut strokes);
     Ok(strokes)
-}
-
-/// The parts of a course on a page that begins at the origin.
-fn on_page(points: &[[f64; 2]], size: [f64; 2]) -> Vec<Vec<[f64; 2]>> {
-    let inside = |p: &[f64; 2]| (0..2).all(|k| (0.0..=size[k]).contains(&p[k]));
-    // The last place on the page on the way from a point on it to one beyond.
-    let border = |on: [f64; 2], off: [f64; 2]| {
-        let share = (0..2).fold(1.0f64, |share, k| {
-            let limit = off[k].clamp(0.0, size[k]);
-            if limit == off[k] { share } else { share.min((limit - on[k]) / (off[k] - on[k])) }
-        });
-        [0, 1].map(|k| on[k] + share * (off[k] - on[k]))
-    };
-    let mut parts: Vec<Vec<[f64; 2]>> = Vec::new();
-    for (k, p) in points.iter().enumerate() {
-        let before = k.checked_sub(1).map(|k| points[k]);
-        match (before.filter(inside), inside(p)) {
-            (Some(_), true) => parts.last_mut().map_or((), |part| part.push(*p)),
-            (Some(on), false) => parts.last_mut().map_or((), |part| part.push(border(on, *p))),
-            (None, true) => parts.push(before.map(|off| border(*p, off)).into_iter().chain([*p]).collect()),
-            (None, false) => {}
-        }
-    }
-    parts
 }
 
 /// A line or part of one, in cells.

@@ -13,18 +13,23 @@ use vtex_base::sampling::stream;
 const SIZE: [u32; 2] = [320, 240];
 const INK: [u8; 3] = [40, 36, 60];
 
-/// Lines that wave across the page, one across them all, a ring and a thick line: paths with their widths.
-fn lines() -> Vec<(BezPath, f64)> {
-    let mut all = Vec::new();
-    for k in 0..5 {
-        let mut wave = BezPath::new();
+/// Lines that wave across the page and fall by a share of their way.
+fn waves(fall: f64) -> Vec<(BezPath, f64)> {
+    let wave = |k: usize| {
+        let mut path = BezPath::new();
         for x in 0..=66 {
             let at = f64::from(x) * 5.0 - 5.0;
-            let p = Point::new(at, 30.0 + 22.0 * f64::from(k) + 6.0 * libm::sin(at / 80.0 * TAU));
-            if x == 0 { wave.move_to(p) } else { wave.line_to(p) }
+            let y = 30.0 + 22.0 * k as f64 + fall * at + 6.0 * libm::sin(at / 80.0 * TAU);
+            if x == 0 { path.move_to(Point::new(at, y)) } else { path.line_to(Point::new(at, y)) }
         }
-        all.push((wave, 2.0));
-    }
+        (path, 2.0)
+    };
+    (0..5).map(wave).collect()
+}
+
+/// Waves, a line across them all, a ring and a thick line: paths with their widths.
+fn lines() -> Vec<(BezPath, f64)> {
+    let mut all = waves(0.03);
     let line = |from: [f64; 2], to: [f64; 2]| {
         let mut path = BezPath::new();
         path.move_to(Point::new(from[0], from[1]));
@@ -90,7 +95,7 @@ fn found(of: &[bool], other: &[bool]) -> f64 {
 #[test]
 fn lines_become_strokes_along_their_middle() {
     let clean = drawn(&lines());
-    let art = read(&encoded(&scanned(&clean)), "scan.png", &()).unwrap();
+    let art = read(&encoded(&scanned(&clean)), "scan.png", None, &()).unwrap();
     let tree = usvg::Tree::from_str(&art.svg, &usvg::Options::default()).unwrap();
     let mut again = Pixmap::new(SIZE[0], SIZE[1]).unwrap();
     resvg::render(&tree, Transform::identity(), &mut again.as_mut());
@@ -118,10 +123,23 @@ fn lines_become_strokes_along_their_middle() {
 }
 
 #[test]
+fn lines_go_on_across_borders_that_join() {
+    let read =
+        |fall: f64, wrap| read(&encoded(&scanned(&drawn(&waves(fall)))), "waves.png", wrap, &()).unwrap();
+    let [level, falling] = [read(0.0, None), read(0.03, None)];
+    assert!(level.wrap && !falling.wrap);
+    assert!(read(0.03, Some(true)).wrap && !read(0.0, Some(false)).wrap);
+    // Each is one line round the page, drawn at both borders that it crosses.
+    let paths = level.svg.matches("<path ").count();
+    assert!((5..=10).contains(&paths), "{paths}");
+    assert_eq!(falling.svg.matches("<path ").count(), 5);
+}
+
+#[test]
 fn light_lines_on_dark_paper_are_read() {
     let mut picture = scanned(&drawn(&lines()));
     picture.pixels_mut().for_each(|p| p.0 = p.0.map(|v| 255 - v));
-    let art = read(&encoded(&picture), "negative.png", &()).unwrap();
+    let art = read(&encoded(&picture), "negative.png", None, &()).unwrap();
     assert_eq!(art.svg.matches("<path ").count(), lines().len());
 }
 
@@ -132,10 +150,10 @@ fn what_holds_no_lines_is_refused() {
     let noise = RgbImage::from_fn(200, 200, |_, _| Rgb([245 - (12.0 * random.unit()) as u8; 3]));
     let small = RgbImage::from_pixel(20, 200, Rgb([250; 3]));
     for (what, picture) in [("paper", paper), ("noise", noise), ("small", small)] {
-        let error = read(&encoded(&picture), what, &()).err();
+        let error = read(&encoded(&picture), what, None, &()).err();
         assert!(matches!(error, Some(Error::Unusable { .. })), "{what}: {error:?}");
     }
-    assert!(matches!(read(b"no picture", "text", &()), Err(Error::Decode { .. })));
+    assert!(matches!(read(b"no picture", "text", None, &()), Err(Error::Decode { .. })));
 }
 
 #[test]
@@ -144,7 +162,7 @@ fn specks_are_left_out_and_counted() {
     for k in 0..7 {
         picture.put_pixel(20 + 30 * k, 228, Rgb(INK));
     }
-    let art = read(&encoded(&picture), "specks.png", &()).unwrap();
+    let art = read(&encoded(&picture), "specks.png", None, &()).unwrap();
     assert_eq!(art.warnings, ["specks and dots left out (7)"]);
     assert_eq!(art.svg.matches("<path ").count(), lines().len());
 }

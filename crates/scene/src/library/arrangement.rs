@@ -32,6 +32,11 @@ pub struct Arrangement {
     /// `label, length, label, length, …` over all rows in turn. Label 0 is background, label k is primary
     /// k - 1. Lengths add up to `width * height`.
     pub runs: Vec<u32>,
+    /// Where elements stood that are not placed: runs as above, with label 1 for their pixels, which `runs` counts as
+    /// background. Empty (the default) for none. Never stored.
+    #[serde(skip)]
+    #[cfg_attr(feature = "schema", schemars(skip))]
+    pub vacated: Vec<u32>,
 }
 
 /// Reads field by field, so that a short file cannot expand to more runs than the map has room for.
@@ -78,6 +83,7 @@ impl<'de> Visitor<'de> for ArrangementVisitor {
             height: height.ok_or_else(|| missing("height"))?,
             periodic: periodic.unwrap_or(false),
             runs: runs.ok_or_else(|| missing("runs"))?,
+            vacated: Vec::new(),
         })
     }
 }
@@ -117,20 +123,42 @@ impl<'de> Visitor<'de> for RunsVisitor {
     }
 }
 
+/// The runs of a map, row by row.
+fn runs_of(map: &LabelMap) -> Vec<u32> {
+    map.labels.chunk_by(|a, b| a == b).flat_map(|run| [run[0], run.len() as u32]).collect()
+}
+
 impl Arrangement {
     /// Encodes a label map in which label k is primary k - 1 and 0 is background.
     pub fn from_labels(map: &LabelMap) -> Self {
-        let mut runs = Vec::new();
-        for run in map.labels.chunk_by(|a, b| a == b) {
-            runs.extend([run[0], run.len() as u32]);
+        Self {
+            width: map.width,
+            height: map.height,
+            periodic: false,
+            runs: runs_of(map),
+            vacated: Vec::new(),
         }
-        Self { width: map.width, height: map.height, periodic: false, runs }
+    }
+
+    /// The arrangement with the pixels where elements stood that are not placed: those with label 1.
+    #[must_use]
+    pub fn with_vacated(self, map: Option<&LabelMap>) -> Self {
+        Self { vacated: map.map_or_else(Vec::new, runs_of), ..self }
+    }
+
+    /// The pixels where elements stood that are not placed: label 1; `None` if there are none.
+    pub fn vacated_labels(&self) -> Option<LabelMap> {
+        (!self.vacated.is_empty()).then(|| self.expanded(&self.vacated))
     }
 
     /// Decodes the label map. The arrangement must be valid (see [`Arrangement::check`]).
     pub fn to_labels(&self) -> LabelMap {
+        self.expanded(&self.runs)
+    }
+
+    fn expanded(&self, runs: &[u32]) -> LabelMap {
         let mut labels = Vec::with_capacity(self.width as usize * self.height as usize);
-        for run in self.runs.chunks_exact(2) {
+        for run in runs.chunks_exact(2) {
             labels.extend(std::iter::repeat_n(run[0], run[1] as usize));
         }
         labels.resize(self.width as usize * self.height as usize, 0);
@@ -171,7 +199,8 @@ mod tests {
 
     #[test]
     fn fields_come_in_any_order_and_once() {
-        let wanted = Arrangement { width: 3, height: 1, periodic: true, runs: vec![0, 3] };
+        let wanted =
+            Arrangement { width: 3, height: 1, periodic: true, runs: vec![0, 3], vacated: Vec::new() };
         assert_eq!(read(&serde_json::to_string(&wanted).unwrap()), Ok(wanted.clone()));
         assert_eq!(read(r#"{"runs":[0,3],"height":1,"periodic":true,"width":3}"#), Ok(wanted));
         for (text, message) in [

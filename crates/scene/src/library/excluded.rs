@@ -1,10 +1,11 @@
 //! Libraries of which some categories are not placed.
 
 use super::{Arrangement, Library};
+use vtex_base::raster::LabelMap;
 
 impl Library {
     /// The library as if the elements of the categories of some names were background: they stand nowhere in its
-    /// arrangement and its layers, and cover nothing. Elements and categories keep their numbers. Such a library is for
+    /// arrangement and its layers, and cover nothing. The arrangement says where they stood. Elements and categories keep their numbers. Such a library is for
     /// synthesis, not to be stored. `None` if it has no category of these names.
     pub fn excluding(&self, names: &[String]) -> Option<Self> {
         let is_out: Vec<bool> = self.category_names().iter().map(|name| names.contains(name)).collect();
@@ -15,11 +16,18 @@ impl Library {
             self.elements.iter().map(|e| e.category.is_some_and(|c| is_out[c.index()])).collect();
         let mut library = self.clone();
         let mut map = self.arrangement.to_labels();
-        for label in &mut map.labels {
-            *label = label.checked_sub(1).filter(|&primary| !leaves[primary as usize]).map_or(0, |k| k + 1);
+        let mut vacated = self
+            .arrangement
+            .vacated_labels()
+            .unwrap_or_else(|| LabelMap { labels: vec![0; map.labels.len()], ..map });
+        for (label, vacated) in map.labels.iter_mut().zip(&mut vacated.labels) {
+            if label.checked_sub(1).is_some_and(|primary| leaves[primary as usize]) {
+                (*label, *vacated) = (0, 1);
+            }
         }
         library.arrangement =
-            Arrangement { periodic: self.arrangement.periodic, ..Arrangement::from_labels(&map) };
+            Arrangement { periodic: self.arrangement.periodic, ..Arrangement::from_labels(&map) }
+                .with_vacated(Some(&vacated));
         for layer in &mut library.layers {
             layer.instances.retain(|instance| !leaves[instance.element.index()]);
         }
@@ -51,6 +59,10 @@ mod tests {
             let is_out = primary.category.is_some_and(|c| c.index() == 1);
             assert_eq!(after[k + 1], if is_out { Mask::default() } else { before[k + 1].clone() });
         }
+        let [before, after] = [&whole, &without].map(|l| l.arrangement.to_labels().labels);
+        let stood = before.iter().zip(&after).map(|(b, a)| u32::from(b != a)).collect::<Vec<_>>();
+        assert_eq!(without.arrangement.vacated_labels().unwrap().labels, stood);
+        assert_eq!(whole.arrangement.vacated_labels(), None);
         let expected = whole.categories[0].coverage + whole.categories[2].coverage;
         assert!((without.coverage - expected).abs() < 1e-12);
         let placed =

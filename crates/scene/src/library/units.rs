@@ -89,8 +89,10 @@ impl Library {
     fn resample(&mut self, size: [u32; 2], area: f64) {
         let [width, height] = size;
         let labels = self.arrangement.to_labels().resized(width, height);
+        let vacated = self.arrangement.vacated_labels().map(|map| map.resized(width, height));
         let periodic = self.arrangement.periodic;
-        self.arrangement = Arrangement { periodic, ..Arrangement::from_labels(&labels) };
+        self.arrangement =
+            Arrangement { periodic, ..Arrangement::from_labels(&labels) }.with_vacated(vacated.as_ref());
         for element in &mut self.elements {
             element.area = (libm::round(f64::from(element.area) * area) as u32).max(1);
         }
