@@ -4,7 +4,7 @@
 //! drawn twice, or beyond the border of a page that repeats, count once. Nodes are the ends, the crossings, the places
 //! where an end meets another stroke, and sharp corners; what is closer than the weld is one node.
 
-use crate::graph::{CurveEdge, CurveGraph};
+use crate::graph::{CurveEdge, CurveGraph, ElementNode};
 use vtex_base::disjoint_sets::DisjointSets;
 use vtex_base::error::Result;
 use vtex_base::geometry::plane::{PeriodicPlane, PointIndex, along, length};
@@ -32,6 +32,15 @@ pub struct CurveStroke {
     pub style: u32,
 }
 
+/// An element between the strokes of the exemplar.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CurveElement {
+    /// Its place, in the unit of the page.
+    pub at: [f64; 2],
+    /// Its appearance: any number that no stroke has. Those of one number may stand for one another.
+    pub style: u32,
+}
+
 /// A page of strokes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CurveExemplar {
@@ -39,6 +48,8 @@ pub struct CurveExemplar {
     pub page: PeriodicPlane,
     /// The strokes.
     pub strokes: Vec<CurveStroke>,
+    /// The elements between them. Those beyond a page that does not repeat do not count.
+    pub elements: Vec<CurveElement>,
     /// Distance up to which ends meet, in the unit of the page; above 0.
     pub weld: f64,
 }
@@ -327,7 +338,16 @@ impl CurveExemplar {
                 edges.extend(self.edge(&course, ([pair[0].1, pair[1].1], from, to), line.style));
             }
         }
-        CurveGraph::new(self.page, points, is_open, edges)
+        let is_on_page =
+            |at: [f64; 2]| (0..2).all(|k| self.page.wraps[k] || (0.0..=self.page.size[k]).contains(&at[k]));
+        let mut elements = Vec::new();
+        for (number, element) in self.elements.iter().enumerate().filter(|e| is_on_page(e.1.at)) {
+            let (node, style) = (points.len() as u32, element.style);
+            points.push(self.page.wrapped(element.at));
+            is_open.push(false);
+            elements.push(ElementNode { node, element: number as u32, style });
+        }
+        CurveGraph::new(self.page, points, is_open, edges).with_elements(elements)
     }
 
     /// An edge along a course, fitted to its nodes; `None` for a remainder within one weld.

@@ -18,6 +18,16 @@ pub(crate) struct CurveEdge {
     pub(crate) style: u32,
 }
 
+/// A node without edges that stands for an element.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct ElementNode {
+    pub(crate) node: u32,
+    /// Its number in the exemplar.
+    pub(crate) element: u32,
+    /// Its appearance, which no edge has.
+    pub(crate) style: u32,
+}
+
 /// A graph of curves. Half-edge `2 e + d` is edge e as it leaves its end d.
 #[derive(Clone, Debug)]
 pub struct CurveGraph {
@@ -26,6 +36,8 @@ pub struct CurveGraph {
     /// Nodes at which the border of the page cuts a curve.
     pub(crate) open: Vec<bool>,
     pub(crate) edges: Vec<CurveEdge>,
+    /// The elements, by their nodes.
+    pub(crate) elements: Vec<ElementNode>,
     /// The half-edges that leave each node.
     pub(crate) leaving: Vec<Vec<u32>>,
     /// Direction of each half-edge where it leaves, of length 1.
@@ -53,9 +65,20 @@ impl CurveGraph {
                 leaving[edge.ends[d] as usize].push((2 * e + d) as u32);
             }
         }
-        let mut made = Self { plane, points, open, edges, leaving, tangents: Vec::new() };
+        let (elements, tangents) = (Vec::new(), Vec::new());
+        let mut made = Self { plane, points, open, edges, elements, leaving, tangents };
         made.tangents = (0..2 * made.edges.len() as u32).map(|h| tangent(&made.course(h))).collect();
         made
+    }
+
+    /// The graph with elements, whose nodes ascend.
+    pub(crate) fn with_elements(self, elements: Vec<ElementNode>) -> Self {
+        Self { elements, ..self }
+    }
+
+    /// The place in the list of elements of the one that a node stands for.
+    pub(crate) fn element_at(&self, node: u32) -> Option<usize> {
+        self.elements.binary_search_by_key(&node, |e| e.node).ok()
     }
 
     /// The edge of a half-edge.
@@ -215,7 +238,13 @@ impl CurveGraph {
                 from = end;
             }
         }
-        Self::new(self.plane, points, open, edges)
+        let mut elements = self.elements.clone();
+        for element in &mut elements {
+            points.push(self.points[element.node as usize]);
+            open.push(false);
+            element.node = points.len() as u32 - 1;
+        }
+        Self::new(self.plane, points, open, edges).with_elements(elements)
     }
 }
 
@@ -276,7 +305,8 @@ impl CurveGraph {
     /// The graph on another plane, moved by a way.
     pub(crate) fn placed(&self, plane: PeriodicPlane, by: [f64; 2]) -> Self {
         let points = self.points.iter().map(|p| [p[0] + by[0], p[1] + by[1]]).collect();
-        Self::new(plane, points, self.open.clone(), self.edges.clone())
+        let elements = self.elements.clone();
+        Self::new(plane, points, self.open.clone(), self.edges.clone()).with_elements(elements)
     }
 
     /// The graph with lengths along x and y multiplied.
@@ -285,7 +315,8 @@ impl CurveGraph {
         let plane = PeriodicPlane { size: scaled(&self.plane.size), ..self.plane };
         let edges =
             self.edges.iter().map(|e| CurveEdge { shape: e.shape.iter().map(scaled).collect(), ..e.clone() });
-        Self::new(plane, self.points.iter().map(scaled).collect(), self.open.clone(), edges.collect())
+        let points = self.points.iter().map(scaled).collect();
+        Self::new(plane, points, self.open.clone(), edges.collect()).with_elements(self.elements.clone())
     }
 
     /// The graph repeated along the axes of a page that repeats.
@@ -296,11 +327,14 @@ impl CurveGraph {
         let plane =
             PeriodicPlane { size: [period[0] * m as f64, period[1] * n as f64], wraps: self.plane.wraps };
         let (mut points, mut open, mut edges) = (Vec::new(), Vec::new(), Vec::new());
+        let mut elements = Vec::with_capacity(self.elements.len() * m * n);
         for j in 0..n {
             for i in 0..m {
                 let by = [i as f64 * period[0], j as f64 * period[1]];
                 points.extend(self.points.iter().map(|p| [p[0] + by[0], p[1] + by[1]]));
                 open.extend(&self.open);
+                let copy = ((j * m + i) * count) as u32;
+                elements.extend(self.elements.iter().map(|e| ElementNode { node: copy + e.node, ..*e }));
                 for edge in &self.edges {
                     let [a, b] = edge.ends.map(|s| s as usize);
                     let way = edge.shape[edge.shape.len() - 1];
@@ -315,6 +349,6 @@ impl CurveGraph {
                 }
             }
         }
-        Self::new(plane, points, open, edges)
+        Self::new(plane, points, open, edges).with_elements(elements)
     }
 }

@@ -353,6 +353,9 @@ impl AlikeSamples<'_> {
 /// Whether two samples of the exemplar have edges in about the same directions.
 fn alike(input: &CurveInput, a: u32, b: u32) -> bool {
     let [m, n] = [&input.graph.leaving[a as usize], &input.graph.leaving[b as usize]];
+    if m.is_empty() || n.is_empty() {
+        return input.style[a as usize] == input.style[b as usize];
+    }
     a == b
         || m.len() == n.len()
             && m.iter().all(|h| {
@@ -382,6 +385,10 @@ fn misfit(input: &CurveInput, around: &PatchSurroundings<'_>, offset: [f64; 2], 
     let places: Vec<[f64; 2]> = expected.iter().map(|e| plane.wrapped(e.0)).collect();
     let apart = |own: u32, other: u32, way: [f64; 2]| {
         let mut cost: f64 = 1.0;
+        if [own, other].iter().any(|s| input.graph.leaving[*s as usize].is_empty()) {
+            let like = input.style[own as usize] == input.style[other as usize];
+            return if like { cost.min(length(way) / delta) } else { cost };
+        }
         let along = input.graph.leaving[own as usize].first().map_or([0.0; 2], |h| input.graph.tangent(*h));
         let forth = (along[0] * way[0] + along[1] * way[1]).abs();
         let across = (along[0] * way[1] - along[1] * way[0]).abs();

@@ -11,6 +11,8 @@ use vtex_base::parallel;
 pub(crate) const EDGE_WEIGHT: f64 = 0.5;
 /// Cost of another style, in sample distances.
 const STYLE: f64 = 2.0;
+/// Cost of an element in place of a curve, or of a curve in place of an element, in sample distances.
+const ELEMENT: f64 = 4.0;
 /// Most neighbours of a sample of the exemplar, and of the result.
 const MOST_NEAR: usize = 64;
 pub(crate) const MOST_NEAR_OUTPUT: usize = 40;
@@ -37,8 +39,10 @@ pub(crate) struct CurveInput {
     pub(crate) near: Vicinity,
     /// The ways along the edges at each sample.
     pub(crate) ways: Vec<Vec<[f64; 2]>>,
-    /// The style of each: that of its first edge.
+    /// The style of each: that of its first edge, or of its element.
     pub(crate) style: Vec<u32>,
+    /// The styles of elements, ascending.
+    element_styles: Vec<u32>,
     similar: Vec<Vec<u32>>,
     /// Whether edges count in comparisons.
     pub(crate) with_edges: bool,
@@ -70,13 +74,23 @@ impl CurveInput {
         let near = Vicinity::new(&index, &graph.points, scale.radius, (MOST_NEAR, true));
         let ways: Vec<Vec<[f64; 2]>> =
             graph.leaving.iter().map(|l| l.iter().map(|h| graph.way(*h)).collect()).collect();
-        let style = graph.leaving.iter().map(|l| l.first().map_or(0, |h| graph.edge(*h).style)).collect();
-        let similar = Vec::new();
-        Self { graph, scale, index, near, ways, style, similar, with_edges: true, is_robust: true }
+        let of_edges = |l: &Vec<u32>| l.first().map_or(0, |h| graph.edge(*h).style);
+        let mut style: Vec<u32> = graph.leaving.iter().map(of_edges).collect();
+        graph.elements.iter().for_each(|e| style[e.node as usize] = e.style);
+        let mut element_styles: Vec<u32> = graph.elements.iter().map(|e| e.style).collect();
+        element_styles.sort_unstable();
+        element_styles.dedup();
+        let (similar, with_edges, is_robust) = (Vec::new(), true, true);
+        Self { graph, scale, index, near, ways, style, element_styles, similar, with_edges, is_robust }
     }
 
     pub(crate) fn len(&self) -> usize {
         self.graph.points.len()
+    }
+
+    /// Whether a style is that of elements.
+    pub(crate) fn is_of_elements(&self, style: u32) -> bool {
+        self.element_styles.binary_search(&style).is_ok()
     }
 
     /// The samples, for a search.
@@ -96,7 +110,11 @@ impl CurveInput {
     pub(crate) fn unlike(&self, (ways, style): (&[[f64; 2]], u32), i: u32) -> f64 {
         let i = i as usize;
         let delta = self.scale.distance;
-        let styles = if style == self.style[i] { 0.0 } else { STYLE * delta };
+        let styles = match (style, self.style[i]) {
+            (a, b) if a == b => 0.0,
+            (a, b) if self.is_of_elements(a) != self.is_of_elements(b) => ELEMENT * delta,
+            _ => STYLE * delta,
+        };
         if !self.with_edges || ways.is_empty() {
             return styles;
         }

@@ -32,9 +32,11 @@ mod tests;
 mod trace;
 
 pub use context::CurveContext;
-pub use exemplar::{CurveExemplar, CurveStroke};
+pub use exemplar::{CurveElement, CurveExemplar, CurveStroke};
 pub use graph::CurveGraph;
 pub use measures::CurveMeasures;
 pub use mend::CurveMends;
-pub use optimise::{CurveLevel, CurveParams, CurveParts, CurveResult, curves, curves_beside};
+pub use optimise::{
+    CurveLevel, CurveParams, CurveParts, CurveResult, PlacedCurveElement, curves, curves_beside,
+};
 pub use trace::TracedCurve;

@@ -94,11 +94,22 @@ pub struct CurveLevel {
     pub edges: Vec<[[f64; 2]; 2]>,
 }
 
+/// An element of the result.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlacedCurveElement {
+    /// Its place, in the unit of the exemplar.
+    pub at: [f64; 2],
+    /// The number of the exemplar's element that it is a copy of.
+    pub element: u32,
+}
+
 /// The result.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CurveResult {
     /// The curves.
     pub curves: Vec<TracedCurve>,
+    /// The elements between them.
+    pub elements: Vec<PlacedCurveElement>,
     /// The levels, from coarse to fine; fewer for large canvases.
     pub levels: Vec<CurveLevel>,
     /// Loose ends mended.
@@ -132,8 +143,13 @@ pub fn curves(
     let shown = ShownPart { size: params.size, tile: params.tile, margin: BEYOND * scales.coarsest().radius };
     let wanted = scales.density * plane.area();
     let task = CurveTask { input: &input, coarsest: scales.coarsest(), plane, params, given: None };
-    let MadeCurves { samples, graph, mut result, has_length, .. } = task.made(used, wanted, go_on)?;
+    let MadeCurves { output, samples, graph, mut result, has_length } = task.made(used, wanted, go_on)?;
     if has_length {
+        for (at, number) in output.elements(&samples) {
+            let element = samples.graph.elements[number].element;
+            let places = shown.places(at, plane).into_iter();
+            result.elements.extend(places.map(|at| PlacedCurveElement { at, element }));
+        }
         result.measures = [&samples.graph, &graph].map(CurveMeasures::of);
         result.curves = traced(&graph, shown, params.tolerance);
         return Ok(result);
@@ -174,6 +190,11 @@ pub fn curves_beside(
     let is_continued = |s: &usize| output.made_edges().iter().any(|e| e.ends.contains(&(*s as u32)));
     let ends: Vec<usize> = (0..output.given()).filter(|s| output.ahead[*s].is_some()).collect();
     result.continued = [ends.len(), ends.iter().filter(|s| is_continued(s)).count()];
+    for (at, number) in output.elements(&samples).into_iter().filter(|e| lines.is_shown(e.0, 0.0)) {
+        let at = [at[0] + lines.low[0], at[1] + lines.low[1]];
+        let element = samples.graph.elements[number].element;
+        result.elements.push(PlacedCurveElement { at, element });
+    }
     let margin = BEYOND * coarsest.radius;
     result.curves = traced_beside(&graph, (&lines, &output.ahead), (margin, params.tolerance));
     // Levels are reported on the canvas.
@@ -394,7 +415,10 @@ pub(crate) fn level_of(
             break;
         }
     }
-    let ends = |of: &CurveOutput| of.incident().iter().filter(|at| at.len() < 2).count();
+    let ends = |of: &CurveOutput| {
+        let few = of.incident().into_iter().enumerate().filter(|(_, at)| at.len() < 2);
+        few.filter(|(s, _)| !of.is_element(*s, input)).count()
+    };
     let fewer = (output.made_edges().len() as f64) < KEPT * before.made_edges().len() as f64;
     if !params.without.no_patches && (fewer || ends(&output) > ends(&before)) {
         output = before;

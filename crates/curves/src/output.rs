@@ -55,6 +55,17 @@ impl CurveOutput {
         &self.edges[self.given_edges..]
     }
 
+    /// Whether a sample is an element.
+    pub(crate) fn is_element(&self, sample: usize, input: &CurveInput) -> bool {
+        input.is_of_elements(self.style[sample])
+    }
+
+    /// The elements that are made: places, and numbers in the list of those of the exemplar.
+    pub(crate) fn elements(&self, input: &CurveInput) -> Vec<([f64; 2], usize)> {
+        let made = (self.given()..self.len()).filter(|s| self.is_element(*s, input));
+        made.filter_map(|s| Some((self.points[s], input.graph.element_at(self.source[s])?))).collect()
+    }
+
     pub(crate) fn len(&self) -> usize {
         self.points.len()
     }
@@ -271,6 +282,10 @@ impl CurveOutput {
             if ends.iter().all(|s| *s != u32::MAX) && ends[0] != ends[1] {
                 new.edges.push(JoinedEdge { ends, from: [None; 2], style: edge.style });
             }
+        }
+        // All levels list the exemplar's elements in one order.
+        for (at, number) in self.elements(input) {
+            new.push(at, next.graph.elements[number].node, next);
         }
         new.improve_orientations(next);
         new

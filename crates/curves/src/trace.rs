@@ -165,6 +165,19 @@ impl ShownPart {
         points.windows(2).map(step).sum()
     }
 
+    /// The places that are shown of a point and its copies on a plane that repeats.
+    pub(crate) fn places(&self, at: [f64; 2], plane: PeriodicPlane) -> Vec<[f64; 2]> {
+        let along = |k: usize| -> Vec<f64> {
+            if self.tile[k] {
+                return vec![at[k]];
+            }
+            let copies = [-1.0, 0.0, 1.0].map(|n| at[k] + n * plane.size[k]);
+            copies.into_iter().filter(|v| (-self.margin..=self.size[k] + self.margin).contains(v)).collect()
+        };
+        let columns = along(0);
+        along(1).into_iter().flat_map(|y| columns.iter().map(move |x| [*x, y]).collect::<Vec<_>>()).collect()
+    }
+
     /// The parts of a course that are shown, of all its copies on a plane that repeats, and whether they are closed.
     fn parts(
         &self,

@@ -12,17 +12,20 @@ use vtex_base::error::{Error, Result};
 use vtex_base::geometry::plane::PeriodicPlane;
 use vtex_base::geometry::{Affine, Point};
 use vtex_base::progress::{Progress, advance};
+use vtex_base::sampling::stream;
 use vtex_curves::{CurveContext, CurveGraph, CurveParams, CurveParts, CurveResult, curves, curves_beside};
 use vtex_scene::library::{Library, Role};
 use vtex_scene::scene::{Ablation, Element, InstanceId, Layer, Scene, SynthParams};
 
-/// Largest share of the area of all shapes that may be no lines.
+/// Longest side of an element between the lines, as a share of the page's shorter one, and largest share that larger ones
+/// may have of the area of all lines and larger elements.
+const LARGEST: f64 = 0.35;
 const STRAY: f64 = 0.02;
 /// Tolerance of curves, in widths of the thinnest line.
 const TOLERANCE: f64 = 0.04;
 /// The method, and what it is for.
 const METHOD: &str = "curves";
-const LINES: &str = "for a drawing of lines: strokes, or filled shapes that are long and thin";
+const LINES: &str = "for a drawing of lines, strokes or filled shapes that are long and thin, with small elements between them";
 
 /// Whether a library can be made anew: one drawing of lines, without a control that this method does not follow.
 ///
@@ -34,8 +37,14 @@ pub(super) fn check(libraries: &[Library], params: &SynthParams, controls: &Cont
         return Err(refusal(METHOD, "without a map of densities, where a drawing stands"));
     }
     let (mut lines, mut others) = (0.0, 0.0);
+    let largest = LARGEST * f64::from(library.source.width.min(library.source.height));
     for shape in library.primaries().iter().flat_map(|e| &e.shapes) {
-        *(if is_line(shape) { &mut lines } else { &mut others }) += shape.area();
+        let bounds = shape.outline.bounds();
+        if is_line(shape) {
+            lines += shape.area();
+        } else if bounds.width().max(bounds.height()) > largest {
+            others += shape.area();
+        }
     }
     if lines == 0.0 || others > STRAY * (lines + others) {
         return Err(refusal(METHOD, LINES));
@@ -105,19 +114,30 @@ pub(super) fn synthesize(
             curve.path.apply_affine(Affine::scale(1.0 / dense));
             curve.shown_length /= dense;
         }
+        found.elements.iter_mut().for_each(|e| e.at = e.at.map(|v| v / dense));
         let plane = PeriodicPlane { size: canvas, wraps: asked.tile };
         let density = |at| controls.density_at(plane.wrapped(at), canvas) / dense;
+        let mut random = stream(params.seed, "curves/density", 0);
+        found.elements.retain(|e| random.unit() < density(e.at));
         found.curves = thinned(std::mem::take(&mut found.curves), plane, density, &go_on)?;
     }
     found.curves.sort_by_key(|c| (drawing.styles[c.style as usize].layer, c.style));
     let elements: Vec<(Element, Point, usize)> =
         found.curves.iter().filter_map(|curve| drawing.element(curve)).collect();
     let params = SynthParams { variation: Some(asked.variation), ..params.clone() };
-    let placements = elements.iter().map(|(element, at, layer)| Placement {
+    let lines = elements.iter().map(|(element, at, layer)| Placement {
         what: What::Made(element),
         transform: Affine::translate(at.to_vec2()).as_coeffs(),
         layer: *layer,
     });
+    let between = |below: bool| {
+        let drawing = &drawing;
+        found.elements.iter().filter_map(move |placed| {
+            let element = &drawing.elements[placed.element as usize];
+            (element.is_below(&drawing.styles) == below).then(|| element.placed(placed.at))
+        })
+    };
+    let placements = between(true).chain(lines).chain(between(false));
     let libraries = std::slice::from_ref(library);
     let scene = if controls.context.is_some() {
         let predicted = Layer { name: Layer::PREDICTED.into(), predicted: true, ..Layer::new(Role::Primary) };
@@ -159,6 +179,7 @@ fn continued(
             advice: "draw strokes or long thin shapes in it, which the texture goes on from, or leave it out",
         });
     }
+    drawn.exemplar.elements.clear();
     let alike: Vec<u32> = drawn.styles.iter().map(|style| drawing.style_like(style) as u32).collect();
     drawn.exemplar.strokes.iter_mut().for_each(|stroke| stroke.style = alike[stroke.style as usize]);
     let lines = drawn.exemplar.graph(go_on)?;

@@ -3,15 +3,16 @@
 //! Stroked paths are taken as they are. Filled outlines that are long and thin, and strokes that the border of a page
 //! has cut, are painted into cells, whose centre lines are the strokes.
 
+use super::compose::{Placement, What};
 use super::report::CategoryReport;
 use vtex_base::error::Result;
 use vtex_base::geometry::plane::PeriodicPlane;
-use vtex_base::geometry::{Affine, Curve, PathEl, Point};
+use vtex_base::geometry::{Affine, Curve, PathEl, Point, rounded};
 use vtex_base::raster::colour::Colour;
 use vtex_base::raster::{CentreLine, Ink, centre_lines};
-use vtex_curves::{CurveExemplar, CurveResult, CurveStroke, TracedCurve};
+use vtex_curves::{CurveElement, CurveExemplar, CurveResult, CurveStroke, PlacedCurveElement, TracedCurve};
 use vtex_scene::element::{Cap, CategoryId, ElementId, Join, Line, Shape};
-use vtex_scene::library::Library;
+use vtex_scene::library::{ExemplarElement, ExemplarInstance, Library};
 use vtex_scene::scene::{Element, LibraryId, SynthParams, pixels};
 
 /// Least ratio of length to width of a filled outline that is a line.
@@ -21,6 +22,8 @@ const CELLS: f64 = 20.0;
 const MOST_CELLS: f64 = 6e6;
 /// How far beyond a page that ends painted lines lead, in cells.
 const RIM: usize = 80;
+/// Number from which on styles are kinds of elements.
+const FIRST_OF_ELEMENTS: u32 = 1 << 24;
 /// Distance up to which ends meet, in widths of the thinnest line.
 const WELD: f64 = 0.25;
 /// Largest deviation of a stroked path from its points, in widths.
@@ -66,6 +69,8 @@ pub(super) struct LineStyle {
 pub(super) struct LineDrawing {
     pub(super) exemplar: CurveExemplar,
     pub(super) styles: Vec<LineStyle>,
+    /// The elements between the lines, as the exemplar numbers them.
+    pub(super) elements: Vec<ElementBetween>,
     /// Width of the thinnest line.
     pub(super) thinnest: f64,
 }
@@ -86,11 +91,13 @@ impl LineDrawing {
         // The outlines of each style that are painted.
         let mut painted: Vec<(u32, Vec<Shape>)> = Vec::new();
         let mut thinnest = f64::INFINITY;
+        let mut elements = Vec::new();
         for (layer, own) in library.layers.iter().enumerate() {
             for instance in &own.instances {
                 go_on()?;
                 let number = instance.element.index();
                 let Some(element) = library.primaries().get(number) else { continue };
+                elements.extend(ElementBetween::of(element, instance, layer));
                 for shape in element.shapes.iter().filter(|s| is_line(s)) {
                     let shape = shape.moved(Affine::new(instance.transform));
                     let line = match &shape.line {
@@ -133,7 +140,9 @@ impl LineDrawing {
             strokes.extend(lines.into_iter().map(stroke));
         }
         let thinnest = styles.iter().map(|s| s.line.width).fold(f64::INFINITY, f64::min);
-        Ok(Self { exemplar: CurveExemplar { page, strokes, weld: WELD * thinnest }, styles, thinnest })
+        let between = elements.iter().map(|e| CurveElement { at: e.at, style: FIRST_OF_ELEMENTS + e.kind });
+        let exemplar = CurveExemplar { page, strokes, elements: between.collect(), weld: WELD * thinnest };
+        Ok(Self { exemplar, styles, elements, thinnest })
     }
 
     /// A curve as an element, its place and its layer.
@@ -157,33 +166,116 @@ impl LineDrawing {
         Some((element, at, style.layer))
     }
 
-    /// Share of the canvas that the lines of each category cover: their lengths times their widths, as against the
-    /// exemplar's.
+    /// Share of the canvas that the lines and elements of each category cover, lines by their lengths times their
+    /// widths, as against the exemplar's.
     pub(super) fn covered(
         &self,
         library: &Library,
         found: &CurveResult,
         params: &SynthParams,
     ) -> Vec<CategoryReport> {
-        let areas = |lengths: &mut dyn Iterator<Item = (u32, f64)>| {
-            let mut sums = vec![0.0; library.categories.len()];
-            for (style, length) in lengths {
-                let style = &self.styles[style as usize];
-                if let Some(category) = style.category {
-                    sums[category.index()] += length * style.line.width;
-                }
-            }
-            sums
+        let mut areas = vec![0.0; library.categories.len()];
+        let of_curve = |curve: &TracedCurve| {
+            let style = &self.styles[curve.style as usize];
+            (style.category, curve.shown_length * style.line.width)
         };
-        let canvas = f64::from(params.width) * f64::from(params.height);
-        let made = areas(&mut found.curves.iter().map(|c| (c.style, c.shown_length)));
-        CategoryReport::of(library, made.into_iter().map(|made| (made / canvas).min(1.0)))
+        let size = [params.width, params.height].map(f64::from);
+        let is_shown = |e: &&PlacedCurveElement| (0..2).all(|k| (0.0..=size[k]).contains(&e.at[k]));
+        let of_element = |placed: &PlacedCurveElement| {
+            let element = &self.elements[placed.element as usize];
+            (element.category, element.area)
+        };
+        let curves = found.curves.iter().map(of_curve);
+        for (category, area) in curves.chain(found.elements.iter().filter(is_shown).map(of_element)) {
+            if let Some(category) = category {
+                areas[category.index()] += area;
+            }
+        }
+        let canvas = size[0] * size[1];
+        CategoryReport::of(library, areas.into_iter().map(|made| (made / canvas).min(1.0)))
     }
 
     /// The number of the style that looks most like another.
     pub(super) fn style_like(&self, other: &LineStyle) -> usize {
         let far: Vec<f64> = self.styles.iter().map(|own| own.distance(other)).collect();
         (0..far.len()).min_by(|a, b| far[*a].total_cmp(&far[*b])).unwrap_or(0)
+    }
+}
+
+/// An element between the lines.
+pub(super) struct ElementBetween {
+    content: BetweenContent,
+    /// The map from the scene's element, about the origin, to its place in the drawing.
+    transform: Affine,
+    /// The middle of its bounds there.
+    at: [f64; 2],
+    /// Those of one kind may stand for one another.
+    kind: u32,
+    category: Option<CategoryId>,
+    area: f64,
+    layer: usize,
+    /// The element of the library that it is or is part of.
+    number: usize,
+}
+
+/// What an element between lines consists of.
+enum BetweenContent {
+    /// An element of the library.
+    Whole(ElementId),
+    /// A shape of one that has lines, too.
+    Part(Box<Element>),
+}
+
+impl ElementBetween {
+    /// The elements of an instance: all of it if it has no lines, else each shape that is no line.
+    fn of(element: &ExemplarElement, instance: &ExemplarInstance, layer: usize) -> Vec<Self> {
+        let (number, category) = (instance.element.index(), element.category);
+        let is_whole = !element.shapes.iter().any(is_line);
+        if is_whole && element.clipped {
+            return Vec::new();
+        }
+        // Elements of scenes have their own place at the origin.
+        let [x, y] = element.origin().map(f64::from);
+        let drawn = Affine::new(instance.transform);
+        let transform = drawn * Affine::translate((x, y));
+        let made = |shapes: &[&Shape], content: BetweenContent| {
+            let bounds = shapes.iter().map(|s| s.outline.bounds_after(drawn)).reduce(|a, b| a.union(b))?;
+            let kind = 2 * category.map_or(0, |c| c.index() as u32) + u32::from(!is_whole);
+            let area = shapes[0].outline.area() * drawn.determinant().abs();
+            let at = bounds.center();
+            Some(Self { content, transform, at: [at.x, at.y], kind, category, area, layer, number })
+        };
+        let others: Vec<&Shape> = element.shapes.iter().filter(|s| !is_line(s)).collect();
+        if is_whole {
+            return made(&others, BetweenContent::Whole(instance.element)).into_iter().collect();
+        }
+        let part = |shape: &&Shape| {
+            let element = Element {
+                library: LibraryId(0),
+                source: Some(instance.element),
+                category,
+                fused: true,
+                silhouette: None,
+                shapes: vec![shape.moved(Affine::translate((-x, -y)))],
+            };
+            made(&[shape], BetweenContent::Part(Box::new(element)))
+        };
+        others.iter().filter_map(part).collect()
+    }
+
+    /// It with its middle at a place of a layer.
+    pub(super) fn placed(&self, at: [f64; 2]) -> Placement<'_> {
+        let what = match &self.content {
+            BetweenContent::Whole(element) => What::Known(LibraryId(0), *element, None),
+            BetweenContent::Part(element) => What::Made(element),
+        };
+        let by = Affine::translate((at[0] - self.at[0], at[1] - self.at[1]));
+        Placement { what, transform: rounded(by * self.transform), layer: self.layer }
+    }
+
+    /// Whether it is drawn before all lines of some styles.
+    pub(super) fn is_below(&self, styles: &[LineStyle]) -> bool {
+        styles.iter().all(|style| self.number < style.element)
     }
 }
 

@@ -37,7 +37,7 @@ fn line(from: f64, to: f64, y: impl Fn(f64) -> f64) -> CurveStroke {
 }
 
 fn exemplar(page: PeriodicPlane, strokes: Vec<CurveStroke>) -> CurveExemplar {
-    CurveExemplar { page, strokes, weld: 0.5 }
+    CurveExemplar { page, strokes, elements: Vec::new(), weld: 0.5 }
 }
 
 /// Waves on a page that does not repeat, no two alike, as they run beyond it.
