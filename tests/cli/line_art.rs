@@ -69,7 +69,7 @@ fn its_texture_is_made_of_curves() {
         let files = "synth waves.lib.json -o out.svg --size 260x200 --seed 1 --json --force";
         let run = folder.run(&format!("{files} {options}")).succeeds();
         assert_eq!(run.json()["method"], "curves");
-        run.json()["coverage"].as_f64().unwrap()
+        run.json()["coverage"]["got"].as_f64().unwrap()
     };
     // Half as many lines on the left, twice as many on the right: five quarters in all.
     let ramp = GrayImage::from_fn(80, 40, |x, _| Luma([if x < 40 { 64 } else { 255 }]));

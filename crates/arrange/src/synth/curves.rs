@@ -215,8 +215,11 @@ fn report(found: &CurveResult, has_context: bool) -> CurveReport {
 #[cfg(test)]
 mod tests {
     use crate::synth::{Controls, SynthReport, synthesize_with};
+    use kurbo::Shape as _;
     use vtex_base::error::{Error, Result};
-    use vtex_base::raster::LabelMap;
+    use vtex_base::geometry::Outline;
+    use vtex_base::raster::{ControlMap, LabelMap};
+    use vtex_scene::element::Shape;
     use vtex_scene::library::{Library, Role, SourceKind, testing};
     use vtex_scene::scene::{Ablation, Method, Scene, SynthParams, Tile};
 
@@ -230,7 +233,12 @@ mod tests {
                 (y..y + 4).for_each(|y| map.labels[(y * 160 + x) as usize] = k + 1);
             }
         }
-        let mut library = testing::library(&map);
+        of_map(&map)
+    }
+
+    /// A drawing of the areas of a map, on a page that repeats.
+    fn of_map(map: &LabelMap) -> Library {
+        let mut library = testing::library(map);
         let count = library.primaries().len();
         library.elements.truncate(count);
         library.layers.retain(|l| l.role != Role::Secondary);
@@ -270,6 +278,63 @@ mod tests {
                 assert!((line.width - 4.0).abs() < 0.6, "{}", line.width);
             }
         }
+    }
+
+    #[test]
+    fn elements_between_the_bands_come_whole() {
+        let mut map = drawing().arrangement.to_labels();
+        for (k, j) in (0..3u32).flat_map(|k| (0..4u32).map(move |j| (k, j))) {
+            let wave = 6.0 * libm::sin(f64::from(40 * j + 13) / 160.0 * std::f64::consts::TAU);
+            let [x, y] = [40 * j + 10, (29.0 + 30.0 * f64::from(k) + wave) as u32];
+            for (dx, dy) in (0..7).flat_map(|dy| (0..7).map(move |dx| (dx, dy))) {
+                map.labels[((y + dy) * 160 + x + dx) as usize] = 5 + 4 * k + j;
+            }
+        }
+        let mut library = of_map(&map);
+        // Outlines of generated libraries go round each row of pixels.
+        for element in &mut library.elements[4..] {
+            let square = element.shapes[0].outline.bounds().to_path(0.1);
+            element.shapes = vec![Shape::new(Outline::new(&square).unwrap(), element.colour)];
+        }
+        let (scene, report) = run(&library, true, Vec::new()).unwrap();
+        scene.check().unwrap();
+        let is_square = |number: usize| scene.elements[number].shapes[0].line.is_none();
+        let instances = scene.layers.iter().flat_map(|layer| &layer.instances);
+        let squares = instances.filter(|i| is_square(i.element.index())).count() as f64;
+        let wanted = 12.0 * 330.0 * 250.0 / (160.0 * 120.0);
+        assert!((squares / wanted - 1.0).abs() < 0.2, "{squares} of {wanted}");
+        // They are those of the library, moved.
+        for element in scene.elements.iter().filter(|e| e.shapes[0].line.is_none()) {
+            let source = &library.elements[element.source.unwrap().index()].shapes[0];
+            let [own, other] = [element.shapes[0].outline.bounds(), source.outline.bounds()];
+            assert!(
+                (own.width() - other.width()).abs() < 0.01 && (own.height() - other.height()).abs() < 0.01
+            );
+        }
+        let off = (report.coverage / report.coverage_wanted - 1.0).abs();
+        assert!(off < 0.15, "{} of {}", report.coverage, report.coverage_wanted);
+    }
+
+    #[test]
+    fn a_map_of_densities_takes_lines_away() {
+        let library = drawing();
+        let covered = |density: Option<[f32; 2]>| {
+            let controls = Controls {
+                density: density.map(|v| ControlMap::new(2, 1, v.to_vec()).unwrap()),
+                ..Controls::default()
+            };
+            let params =
+                SynthParams { width: 330, height: 250, method: Method::Curves, ..SynthParams::default() };
+            let (scene, report) =
+                synthesize_with(std::slice::from_ref(&library), &params, &controls, &()).unwrap();
+            scene.check().unwrap();
+            report.coverage
+        };
+        let whole = covered(None);
+        assert!((covered(Some([1.0, 1.0])) / whole - 1.0).abs() < 0.02);
+        assert!((covered(Some([0.5, 0.5])) / whole - 0.5).abs() < 0.12);
+        assert!((covered(Some([2.0, 2.0])) / whole - 2.0).abs() < 0.25);
+        assert_eq!(covered(Some([0.0, 0.0])), 0.0);
     }
 
     #[test]

@@ -3,11 +3,11 @@
 mod context;
 
 use crate::edges::{EdgeVote, chosen};
-use crate::exemplar::{CurveExemplar, CurveStroke};
+use crate::exemplar::{CurveElement, CurveExemplar, CurveStroke};
 use crate::graph::CurveGraph;
 use crate::initial::{noise, patches};
 use crate::input::{CurveInput, CurveScale, edge_difference};
-use crate::optimise::{CurveParams, CurveParts, CurveResult, curves, level_of};
+use crate::optimise::{CurveParams, CurveParts, CurveResult, PlacedCurveElement, curves, level_of};
 use crate::output::CurveOutput;
 use crate::search::search;
 use crate::trace::{ShownPart, traced};
@@ -394,6 +394,57 @@ fn pages_whose_borders_do_not_join_are_known() {
     let torn = (0..9).map(|k| line(0.0, 240.0, |x| 15.0 * f64::from(k) + 0.05 * x)).collect();
     let torn = exemplar(page([240.0, 160.0], true), torn);
     assert!(!is_seamless(&torn));
+}
+
+/// Waves with dots half-way between them.
+fn dotted_waves() -> CurveExemplar {
+    let mut exemplar = waves();
+    let mut random = stream(8, "curves/tests", 0);
+    let point = |k: usize, x: f64| exemplar.strokes[k].points[((x + 20.0) / 2.0) as usize];
+    let mut elements = Vec::new();
+    for k in 0..16 {
+        for j in 0..7 {
+            let x = 57.0 * f64::from(j) + random.range(4.0, 50.0);
+            let [a, b] = [point(k, x), point(k + 1, x)];
+            elements.push(CurveElement { at: [a[0], 0.5 * (a[1] + b[1])], style: 50 + j as u32 % 2 });
+        }
+    }
+    exemplar.elements = elements;
+    exemplar
+}
+
+#[test]
+fn elements_stay_between_the_lines() {
+    let exemplar = dotted_waves();
+    let params = params([600.0, 500.0], false);
+    let found = made(&exemplar, &params);
+    let mut points: Vec<Point> = Vec::new();
+    found.curves.iter().for_each(|c| kurbo::flatten(c.path.iter(), 0.2, |e| points.extend(e.end_point())));
+    let place = |p: &[f64; 2]| Point::new(p[0], p[1]);
+    let dense = |a: &Point, b: &Point| (0..=20).map(|k| a.lerp(*b, f64::from(k) / 20.0)).collect::<Vec<_>>();
+    let lines: Vec<Point> =
+        points.windows(2).filter(|w| w[0].distance(w[1]) < 60.0).flat_map(|w| dense(&w[0], &w[1])).collect();
+    let shown = |e: &&PlacedCurveElement| (0..2).all(|k| (0.0..params.size[k]).contains(&e.at[k]));
+    let elements: Vec<&PlacedCurveElement> = found.elements.iter().filter(shown).collect();
+    let on_page = |e: &&CurveElement| (0..2).all(|k| (0.0..400.0).contains(&e.at[k]));
+    let wanted = exemplar.elements.iter().filter(on_page).count() as f64 * 600.0 * 500.0 / (400.0 * 400.0);
+    assert!((elements.len() as f64 / wanted - 1.0).abs() < 0.15, "{} of {wanted}", elements.len());
+    let nearest =
+        |e: &PlacedCurveElement| lines.iter().map(|p| p.distance(place(&e.at))).fold(f64::INFINITY, f64::min);
+    // Half-way between lines some 25 apart.
+    let between = elements.iter().filter(|e| (6.0..=17.0).contains(&nearest(e))).count();
+    assert!(between as f64 > 0.95 * elements.len() as f64, "{between} of {}", elements.len());
+    let used: std::collections::BTreeSet<u32> = elements.iter().map(|e| e.element).collect();
+    assert!(used.len() > 40, "{}", used.len());
+}
+
+#[test]
+fn elements_of_a_page_that_repeats_fill_a_tile() {
+    let mut exemplar = periodic_waves();
+    let row = |k: usize| (0..6).map(move |j| [20.0 + 40.0 * f64::from(j), 40.0 + 40.0 * k as f64]);
+    exemplar.elements = (0..4).flat_map(row).map(|at| CurveElement { at, style: 9 }).collect();
+    let found = made(&exemplar, &params([480.0, 320.0], true));
+    assert_eq!(found.elements.len(), 4 * 24);
 }
 
 #[test]

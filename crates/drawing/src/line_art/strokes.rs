@@ -3,6 +3,7 @@
 use super::ink::InkOfPicture;
 use image::RgbImage;
 use std::collections::BTreeMap;
+use vtex_base::disjoint_sets::DisjointSets;
 use vtex_base::error::Result;
 use vtex_base::geometry::plane::{along, length};
 use vtex_base::raster::colour::{self, Colour, oklab, squared_distance};
@@ -12,6 +13,8 @@ use vtex_base::raster::{Ink, centre_lines, squared_distance as squared_distances
 const RIM: usize = 32;
 /// Length over which the direction at an end is taken, in widths.
 const ENDING: f64 = 2.0;
+/// Longest piece between two junctions that are one crossing, in widths.
+const ONE_CROSSING: f64 = 1.6;
 /// Cosine of the largest turn with which a stroke runs on through a junction: 40°.
 const RUNS_ON: f64 = 0.766;
 /// Largest ratio of the widths of lines that are one stroke.
@@ -50,7 +53,7 @@ pub(super) fn strokes(
         let wide = width_of(&points, &distances, ink.cells.size).unwrap_or(width);
         LinePiece { points, closed, width: wide }
     });
-    let joined = joined(measured.collect(), ENDING * width);
+    let joined = joined(measured.collect(), width);
     go_on()?;
     let stroke = |piece: LinePiece| {
         let points: Vec<[f64; 2]> = piece.points.iter().map(|p| p.map(|v| v / fine)).collect();
@@ -114,15 +117,12 @@ fn colour_of(points: &[[f64; 2]], image: &RgbImage, difference: &[f32]) -> Colou
 type PieceEnd = (usize, bool);
 
 /// Pieces that run on into one another as one, so that a pen is lifted rarely.
-fn joined(pieces: Vec<LinePiece>, reach: f64) -> Vec<LinePiece> {
-    let key = |p: [f64; 2]| p.map(|v| libm::round(64.0 * v) as i64);
-    let mut nodes: BTreeMap<[i64; 2], Vec<PieceEnd>> = BTreeMap::new();
-    for (k, piece) in pieces.iter().enumerate().filter(|p| !p.1.closed) {
-        nodes.entry(key(piece.points[0])).or_default().push((k, false));
-        nodes.entry(key(piece.points[piece.points.len() - 1])).or_default().push((k, true));
-    }
+/// `width` is the usual one of lines.
+fn joined(mut pieces: Vec<LinePiece>, width: f64) -> Vec<LinePiece> {
+    let nodes = nodes(&mut pieces, ONE_CROSSING * width);
+    let reach = ENDING * width;
     let mut next: BTreeMap<PieceEnd, PieceEnd> = BTreeMap::new();
-    for ends in nodes.values() {
+    for ends in nodes {
         let ways: Vec<[f64; 2]> = ends.iter().map(|e| inward(&pieces[e.0], e.1, reach)).collect();
         let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
         for a in 0..ends.len() {
@@ -157,19 +157,46 @@ fn joined(pieces: Vec<LinePiece>, reach: f64) -> Vec<LinePiece> {
                 done[k] = true;
                 all.push(pieces[k].clone());
             } else if rings || free.is_some() {
-                all.push(run(&pieces, &next, (k, free.unwrap_or(false)), &mut done));
+                all.push(run(&pieces, &next, (k, free.unwrap_or(false)), (width, &mut done)));
             }
         }
     }
     all
 }
 
-/// The pieces that follow from an end on, as one.
+/// The ends of pieces that meet, place by place. Pieces between two junctions that are shorter than `least` are taken
+/// away: lines that cross at a slant meet at two places.
+fn nodes(pieces: &mut Vec<LinePiece>, least: f64) -> Vec<Vec<PieceEnd>> {
+    let key = |p: [f64; 2]| p.map(|v| libm::round(64.0 * v) as i64);
+    let ends = |piece: &LinePiece| [0, piece.points.len() - 1].map(|k| key(piece.points[k]));
+    let mut counts: BTreeMap<[i64; 2], usize> = BTreeMap::new();
+    pieces.iter().filter(|p| !p.closed).flat_map(ends).for_each(|e| *counts.entry(e).or_default() += 1);
+    let number: BTreeMap<[i64; 2], usize> = counts.keys().copied().zip(0..).collect();
+    let mut sets = DisjointSets::new(number.len());
+    pieces.retain(|piece| {
+        let [a, b] = ends(piece);
+        let is_inner =
+            !piece.closed && counts[&a] > 2 && counts[&b] > 2 && a != b && along(&piece.points) < least;
+        if is_inner {
+            sets.join(number[&a], number[&b]);
+        }
+        !is_inner
+    });
+    let mut nodes: BTreeMap<usize, Vec<PieceEnd>> = BTreeMap::new();
+    for (k, piece) in pieces.iter().enumerate().filter(|p| !p.1.closed) {
+        for (end, last) in ends(piece).into_iter().zip([false, true]) {
+            nodes.entry(sets.root(number[&end])).or_default().push((k, last));
+        }
+    }
+    nodes.into_values().collect()
+}
+
+/// The pieces that follow from an end on, as one. Where two do not meet exactly, a width of each is left out.
 fn run(
     pieces: &[LinePiece],
     next: &BTreeMap<PieceEnd, PieceEnd>,
     from: PieceEnd,
-    done: &mut [bool],
+    (width, done): (f64, &mut [bool]),
 ) -> LinePiece {
     let (mut points, mut area, mut total): (Vec<[f64; 2]>, f64, f64) = (Vec::new(), 0.0, 0.0);
     let mut end = from;
@@ -178,11 +205,20 @@ fn run(
         done[end.0] = true;
         let long = along(&piece.points).max(1e-9);
         (area, total) = (area + long * piece.width, total + long);
-        points.pop();
-        match end.1 {
-            false => points.extend(&piece.points),
-            true => points.extend(piece.points.iter().rev()),
+        let mut own = piece.points.clone();
+        if end.1 {
+            own.reverse();
         }
+        match points.last() {
+            Some(last) if length([own[0][0] - last[0], own[0][1] - last[1]]) > 0.5 => {
+                points.reverse();
+                shorten(&mut points, width);
+                points.reverse();
+                shorten(&mut own, width);
+            }
+            _ => _ = points.pop(),
+        }
+        points.append(&mut own);
         match next.get(&(end.0, !end.1)) {
             Some(on) if *on == from => break true,
             Some(on) if !done[on.0] => end = *on,
@@ -190,6 +226,13 @@ fn run(
         }
     };
     LinePiece { points, closed, width: area / total }
+}
+
+/// Leaves out the beginning of a course, but for its last two points.
+fn shorten(course: &mut Vec<[f64; 2]>, by: f64) {
+    let first = course[0];
+    let far = course.iter().position(|p| length([p[0] - first[0], p[1] - first[1]]) >= by);
+    course.drain(..far.unwrap_or(course.len()).min(course.len().saturating_sub(2)));
 }
 
 /// The direction from an end into a piece, of length 1.
