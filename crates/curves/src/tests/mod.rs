@@ -9,7 +9,7 @@ use crate::initial::{noise, patches};
 use crate::input::{CurveInput, CurveScale, edge_difference};
 use crate::optimise::{CurveParams, CurveParts, CurveResult, PlacedCurveElement, curves, level_of};
 use crate::output::CurveOutput;
-use crate::search::search;
+use crate::search::{choose_sources, search};
 use crate::trace::{ShownPart, traced};
 use kurbo::{ParamCurveNearest, Point};
 use std::f64::consts::TAU;
@@ -227,6 +227,22 @@ fn edges_tell_samples_apart() {
     assert_eq!(edge_difference(&two, &two, 12.0), 0.0);
     let one = [[0.0, 10.0]];
     assert!((edge_difference(&one, &three, 5.0) - 10.0).abs() < 1e-9);
+}
+
+#[test]
+fn the_search_finds_nearly_what_a_search_of_all_finds() {
+    let input = input(&waves(), 25.0, 70.0);
+    let canvas = PeriodicPlane { size: [420.0, 420.0], wraps: [true; 2] };
+    let mut output = patches(&input, CurveOutput::new(canvas), (1.0, 4), None, &go_on).unwrap();
+    assert!(output.len() > 200, "{}", output.len());
+    let mut found = f64::INFINITY;
+    for _ in 0..3 {
+        found = search(&mut output, &input, &go_on).unwrap().energy();
+    }
+    let all: Vec<Vec<u32>> = vec![(0..input.len() as u32).collect(); output.len()];
+    choose_sources(&mut output, &input, &all, &go_on).unwrap();
+    let best = search(&mut output, &input, &go_on).unwrap().energy();
+    assert!(best <= found && found <= 1.1 * best, "{found}, at best {best}");
 }
 
 #[test]
