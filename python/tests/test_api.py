@@ -168,6 +168,18 @@ def test_drawings_are_exemplars_too():
         assert whole.width % library.width == 0 and whole.height % library.height == 0
 
 
+def test_pictures_of_lines_become_drawings_of_strokes():
+    page = np.full((120, 200), 245, np.uint8)
+    for row in range(15, 120, 20):
+        page[row : row + 3] = 30
+    library = vtex.analyze(page, kind="curves", name="lines")
+    assert library.is_drawing and library.primaries >= 6
+    texture = vtex.synthesize(library, size=(300, 200), seed=1)
+    assert texture.parameters["method"] == "curves" and "stroke-width" in texture.svg()
+    with pytest.raises(vtex.InputError, match="no lines stand out"):
+        vtex.analyze(np.full((120, 200), 245, np.uint8), kind="curves")
+
+
 def test_motifs_of_drawings_are_found():
     places = [(20, 30), (120, 60), (60, 140)]
     bar = '<path d="M{} {}h24v4h-24z"/>'

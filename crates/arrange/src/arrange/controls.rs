@@ -44,6 +44,7 @@ impl Controls {
     }
 
     /// The mean and the largest density of the canvas.
+    #[cfg(feature = "curves")]
     pub(crate) fn densities(&self) -> [f64; 2] {
         let Some(map) = &self.density else { return [1.0; 2] };
         let (mut sum, mut largest) = (0.0, 0.0f64);

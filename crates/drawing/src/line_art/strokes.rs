@@ -82,7 +82,7 @@ fn distance_to_paper(cells: &Ink) -> Vec<f32> {
 /// The median width along a line, on the page.
 fn width_of(points: &[[f64; 2]], distances: &[f32], size: [usize; 2]) -> Option<f64> {
     let at = |p: &[f64; 2]| {
-        let [x, y] = p.map(|v| libm::floor(v));
+        let [x, y] = p.map(libm::floor);
         let on_page = (0.0..size[0] as f64).contains(&x) && (0.0..size[1] as f64).contains(&y);
         on_page.then(|| distances[y as usize * size[0] + x as usize])
     };
@@ -99,7 +99,7 @@ fn width_of(points: &[[f64; 2]], distances: &[f32], size: [usize; 2]) -> Option<
 fn colour_of(points: &[[f64; 2]], image: &RgbImage, difference: &[f32]) -> Colour {
     let (width, height) = image.dimensions();
     let pixel = |p: &[f64; 2]| {
-        let [x, y] = p.map(|v| libm::floor(v));
+        let [x, y] = p.map(libm::floor);
         let on_page = x >= 0.0 && y >= 0.0 && x < f64::from(width) && y < f64::from(height);
         on_page.then_some((x as u32, y as u32))
     };
