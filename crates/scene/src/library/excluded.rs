@@ -5,8 +5,9 @@ use vtex_base::raster::LabelMap;
 
 impl Library {
     /// The library as if the elements of the categories of some names were background: they stand nowhere in its
-    /// arrangement and its layers, and cover nothing. The arrangement says where they stood. Elements and categories keep their numbers. Such a library is for
-    /// synthesis, not to be stored. `None` if it has no category of these names.
+    /// arrangement and its layers, and cover nothing. The arrangement says where they stood. Elements and categories
+    /// keep their numbers. Such a library is for synthesis, not to be stored. `None` if it has no category of these
+    /// names.
     pub fn excluding(&self, names: &[String]) -> Option<Self> {
         let is_out: Vec<bool> = self.category_names().iter().map(|name| names.contains(name)).collect();
         if !is_out.contains(&true) {
