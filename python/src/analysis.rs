@@ -113,7 +113,7 @@ pub(crate) fn analyze(
                 });
             }
             let params = ImportParams { wrap: options.wrap, analyze: options.parameters };
-            let mut library = import(&exemplar.into_bytes(&name)?, &name, &params, progress)?;
+            let mut library = import(&exemplar.bytes(&name)?, &name, &params, progress)?;
             library.source.file = file;
             return Ok(library);
         }

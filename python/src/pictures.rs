@@ -7,6 +7,7 @@ use numpy::{Element, PyArrayDescrMethods, PyReadonlyArrayDyn, PyUntypedArray, Py
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
 use pyo3::types::PyBytes;
+use std::borrow::Cow;
 use std::io::Cursor;
 use std::path::PathBuf;
 use vtex::Error;
@@ -36,14 +37,14 @@ impl PictureInput {
     ///
     /// # Errors
     /// [`Error::Decode`] for pixels that cannot be encoded.
-    pub(crate) fn into_bytes(self, name: &str) -> vtex::Result<Vec<u8>> {
+    pub(crate) fn bytes(&self, name: &str) -> vtex::Result<Cow<'_, [u8]>> {
         match self {
-            Self::Bytes(bytes) => Ok(bytes.to_vec()),
+            Self::Bytes(bytes) => Ok(Cow::Borrowed(bytes)),
             Self::Pixels(image) => {
                 let mut png = Cursor::new(Vec::new());
                 let fail = |e: image::ImageError| Error::Decode { name: name.into(), reason: e.to_string() };
                 image.write_to(&mut png, ImageFormat::Png).map_err(fail)?;
-                Ok(png.into_inner())
+                Ok(Cow::Owned(png.into_inner()))
             }
         }
     }

@@ -101,7 +101,9 @@ impl Paper {
     fn new(colours: &[[f32; 3]], size: [usize; 2]) -> Option<Self> {
         let side = size[0].max(size[1]).div_ceil(BLOCKS as usize).max(LEAST_BLOCK);
         let blocks = size.map(|v| v.div_ceil(side));
-        let is_light = is_mostly_light(colours);
+        // Larger the farther a colour is from the ink.
+        let sign = if is_mostly_light(colours) { 1.0 } else { -1.0 };
+        let bareness = |colour: &[f32; 3]| sign * colour[0];
         let range = |k: usize, axis: usize| -> Range<usize> { k * side..((k + 1) * side).min(size[axis]) };
         let all: Vec<usize> = (0..blocks[0] * blocks[1]).collect();
         let of_block = |&block: &usize| -> [f32; 3] {
@@ -110,7 +112,7 @@ impl Paper {
                 .flat_map(|y| &colours[y * size[0] + columns.start..y * size[0] + columns.end])
                 .copied()
                 .collect();
-            own.sort_by(|a, b| if is_light { b[0].total_cmp(&a[0]) } else { a[0].total_cmp(&b[0]) });
+            own.sort_by(|a, b| bareness(b).total_cmp(&bareness(a)));
             own.truncate((libm::ceil(PAPER * own.len() as f64) as usize).max(1));
             mean(&own)
         };
@@ -123,11 +125,8 @@ impl Paper {
             rows.flat_map(|y| columns.clone().map(move |x| of[y * blocks[0] + x])).collect()
         };
         let clear = |block: &usize| {
-            let near = around(*block, &found);
-            let best = near
-                .into_iter()
-                .max_by(|a, b| if is_light { a[0].total_cmp(&b[0]) } else { b[0].total_cmp(&a[0]) });
-            best.unwrap_or(found[*block])
+            let near = around(*block, &found).into_iter();
+            near.max_by(|a, b| bareness(a).total_cmp(&bareness(b))).unwrap_or(found[*block])
         };
         let cleared: Vec<[f32; 3]> = all.iter().map(clear).collect();
         let even: Vec<[f32; 3]> = all.iter().map(|block| mean(&around(*block, &cleared))).collect();

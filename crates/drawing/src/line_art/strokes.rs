@@ -35,7 +35,7 @@ pub(super) struct PictureStroke {
     pub(super) colour: Colour,
 }
 
-/// The strokes of a picture, and the share of its ink that they cover.
+/// The strokes of a picture.
 ///
 /// # Errors
 /// Those of `go_on`.
@@ -116,8 +116,7 @@ fn colour_of(points: &[[f64; 2]], image: &RgbImage, difference: &[f32]) -> Colou
 /// An end of a piece: its number, and whether it is the last point.
 type PieceEnd = (usize, bool);
 
-/// Pieces that run on into one another as one, so that a pen is lifted rarely.
-/// `width` is the usual one of lines.
+/// Pieces that run on into one another as one, so that a pen is lifted rarely. `width` is the usual one of lines.
 fn joined(mut pieces: Vec<LinePiece>, width: f64) -> Vec<LinePiece> {
     let nodes = nodes(&mut pieces, ONE_CROSSING * width);
     let reach = ENDING * width;
