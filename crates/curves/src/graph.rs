@@ -32,6 +32,8 @@ pub(crate) struct ElementNode {
 #[derive(Clone, Debug)]
 pub struct CurveGraph {
     pub(crate) plane: PeriodicPlane,
+    /// The page of which the plane holds copies; the plane itself where it holds one.
+    pub(crate) page: PeriodicPlane,
     pub(crate) points: Vec<[f64; 2]>,
     /// Nodes at which the border of the page cuts a curve.
     pub(crate) open: Vec<bool>,
@@ -66,7 +68,7 @@ impl CurveGraph {
             }
         }
         let (elements, tangents) = (Vec::new(), Vec::new());
-        let mut made = Self { plane, points, open, edges, elements, leaving, tangents };
+        let mut made = Self { plane, page: plane, points, open, edges, elements, leaving, tangents };
         made.tangents = (0..2 * made.edges.len() as u32).map(|h| tangent(&made.course(h))).collect();
         made
     }
@@ -74,6 +76,11 @@ impl CurveGraph {
     /// The graph with elements, whose nodes ascend.
     pub(crate) fn with_elements(self, elements: Vec<ElementNode>) -> Self {
         Self { elements, ..self }
+    }
+
+    /// The graph as copies of a page.
+    pub(crate) fn with_page(self, page: PeriodicPlane) -> Self {
+        Self { page, ..self }
     }
 
     /// The place in the list of elements of the one that a node stands for.
@@ -188,6 +195,13 @@ impl CurveGraph {
         chains
     }
 
+    /// Share of the length of all curves that lies in chains of some length.
+    pub(crate) fn runs_on(&self, least: f64) -> f64 {
+        let chains = self.chains(true);
+        let lengths = chains.iter().map(|chain| along(&self.chain_course(chain).0)).filter(|l| *l >= least);
+        lengths.sum::<f64>() / self.length().max(1e-9)
+    }
+
     /// The course of a chain, and where each of its edges begins in it.
     pub(crate) fn chain_course(&self, chain: &EdgeChain) -> (Vec<[f64; 2]>, Vec<usize>) {
         let start = self.points[self.start(chain.halves[0]) as usize];
@@ -244,7 +258,7 @@ impl CurveGraph {
             open.push(false);
             element.node = points.len() as u32 - 1;
         }
-        Self::new(self.plane, points, open, edges).with_elements(elements)
+        Self::new(self.plane, points, open, edges).with_elements(elements).with_page(self.page)
     }
 }
 
@@ -349,6 +363,6 @@ impl CurveGraph {
                 }
             }
         }
-        Self::new(plane, points, open, edges).with_elements(elements)
+        Self::new(plane, points, open, edges).with_elements(elements).with_page(self.plane)
     }
 }

@@ -80,11 +80,39 @@ fn is_made(input: &CurveInput, at: [f64; 2], given: Option<&GivenLines>) -> bool
 /// Those of `go_on`.
 pub(crate) fn patches(
     input: &CurveInput,
-    mut output: CurveOutput,
+    output: CurveOutput,
     (variation, seed): (f64, u64),
     given: Option<&GivenLines>,
     go_on: &dyn Fn() -> Result<()>,
 ) -> Result<CurveOutput> {
+    let change = variation * if input.graph.plane.wraps == [true; 2] { CHANGE_REGULAR } else { CHANGE };
+    let rule = PatchRule { change, tried: TRIED, seed };
+    let (mut output, patches) = laid(input, output, rule, given, go_on)?;
+    join(&mut output, &patches, input);
+    Ok(output)
+}
+
+/// How patches are chosen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct PatchRule {
+    /// Mean misfit, in sample distances, up to which a patch may come from elsewhere although the exemplar could go on.
+    pub(crate) change: f64,
+    /// Places tried for a patch, besides those that go on from its neighbours.
+    pub(crate) tried: usize,
+    pub(crate) seed: u64,
+}
+
+/// Patches side by side, and their samples beside those there are, not joined across the borders.
+///
+/// # Errors
+/// Those of `go_on`.
+pub(crate) fn laid(
+    input: &CurveInput,
+    mut output: CurveOutput,
+    rule: PatchRule,
+    given: Option<&GivenLines>,
+    go_on: &dyn Fn() -> Result<()>,
+) -> Result<(CurveOutput, Vec<Patch>)> {
     let (page, plane) = (input.graph.plane, output.plane);
     let side = 2.0 * input.scale.radius;
     let most = [0, 1].map(|k| if page.wraps[k] { 0.45 } else { 0.6 } * page.size[k]);
@@ -117,10 +145,10 @@ pub(crate) fn patches(
         let copied = given.and_then(|lines| lines.copied).filter(|way| fits(page, &patches[p], *way));
         let mut going_on: Vec<[f64; 2]> = beside.iter().filter_map(|b| patches[*b].offset).collect();
         going_on.extend(common_offsets(input, &output, &patches[p]));
-        let mut random = stream(seed, "curves/patches", p as u64);
+        let mut random = stream(rule.seed, "curves/patches", p as u64);
         let known = given.map(|lines| KnownPlaces { lines, patches: &patches, count, size });
         let around = PatchSurroundings { patch: &patches[p], rim: &rim, plane, known };
-        let chosen = || choose(&mut alike, &around, &going_on, (variation, &mut random));
+        let chosen = || choose(&mut alike, &around, &going_on, (rule, &mut random));
         let offset = copied.unwrap_or_else(chosen);
         let patch = &mut patches[p];
         patch.offset = Some(offset);
@@ -133,8 +161,7 @@ pub(crate) fn patches(
         }
         patch.samples.sort_unstable();
     }
-    join(&mut output, &patches, input);
-    Ok(output)
+    Ok((output, patches))
 }
 
 /// The order in which patches are laid: from one end to the other, or by their distances from given samples.
@@ -275,7 +302,7 @@ fn choose(
     alike: &mut AlikeSamples<'_>,
     around: &PatchSurroundings<'_>,
     going_on: &[[f64; 2]],
-    (variation, random): (f64, &mut Stream),
+    (rule, random): (PatchRule, &mut Stream),
 ) -> [f64; 2] {
     let &PatchSurroundings { patch, rim, plane, .. } = around;
     let input = alike.input;
@@ -285,8 +312,8 @@ fn choose(
         .collect();
     let mut tried: Vec<[f64; 2]> = going_on.iter().copied().filter(|way| fits(page, patch, *way)).collect();
     let known = tried.len();
-    for _ in 0..8 * TRIED {
-        if tried.len() >= known + TRIED {
+    for _ in 0..8 * rule.tried {
+        if tried.len() >= known + rule.tried {
             break;
         }
         let offset = if near.is_empty() {
@@ -306,17 +333,16 @@ fn choose(
             let way = plane.between(middle, at);
             [0, 1].map(|k| to[k] - (middle[k] + way[k]))
         };
-        if fits(page, patch, offset) {
+        // The exemplar itself, a period away, is no other place.
+        let goes_on = |way: &[f64; 2]| length(input.graph.page.between(*way, offset)) < input.scale.distance;
+        if fits(page, patch, offset) && !tried[..known].iter().any(goes_on) {
             tried.push(offset);
         }
     }
     let costs = parallel::map(&tried, |offset| misfit(input, around, *offset, &near));
     let best = |range: std::ops::Range<usize>| range.min_by(|a, b| costs[*a].total_cmp(&costs[*b]));
-    let change = if page.wraps[0] && page.wraps[1] { CHANGE_REGULAR } else { CHANGE };
     match (best(0..known), best(known..tried.len())) {
-        (Some(on), Some(other)) if costs[other] < costs[on] || costs[other] <= change * variation => {
-            tried[other]
-        }
+        (Some(on), Some(other)) if costs[other] < costs[on] || costs[other] <= rule.change => tried[other],
         (Some(on), _) => tried[on],
         (None, Some(other)) => tried[other],
         (None, None) => [0, 1]

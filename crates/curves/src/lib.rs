@@ -25,7 +25,9 @@ mod measures;
 mod mend;
 mod optimise;
 mod output;
+mod partition;
 mod positions;
+mod quilt;
 mod search;
 #[cfg(test)]
 mod tests;
@@ -39,4 +41,6 @@ pub use mend::CurveMends;
 pub use optimise::{
     CurveLevel, CurveParams, CurveParts, CurveResult, PlacedCurveElement, curves, curves_beside,
 };
+pub use partition::CellShape;
+pub use quilt::{CellExemplar, CellParams, QuiltedCell, quilted_cells};
 pub use trace::TracedCurve;

@@ -135,10 +135,10 @@ pub fn curves(
     if total <= 0.0 {
         return Ok(CurveResult::default());
     }
-    let own = exemplar.stretched(stretch(exemplar.plane, params));
+    let own = exemplar.stretched(stretch(exemplar.plane, params.size, params.tile));
     let scales = LevelScales::new(&own);
     let input = repeated(&own, 4.5 * scales.coarsest().radius, scales.finest)?;
-    let plane = canvas(own.plane, params, scales.coarsest().radius);
+    let plane = canvas(own.plane, (params.size, params.tile), scales.coarsest().radius);
     let used = scales.levels(plane.area())?;
     let shown = ShownPart { size: params.size, tile: params.tile, margin: BEYOND * scales.coarsest().radius };
     let wanted = scales.density * plane.area();
@@ -207,15 +207,15 @@ pub fn curves_beside(
 }
 
 /// The lengths of all levels.
-struct LevelScales {
-    finest: f64,
+pub(crate) struct LevelScales {
+    pub(crate) finest: f64,
     /// Length of curves by area, and its inverse, the mean distance between curves.
     density: f64,
     spacing: f64,
 }
 
 impl LevelScales {
-    fn new(exemplar: &CurveGraph) -> Self {
+    pub(crate) fn new(exemplar: &CurveGraph) -> Self {
         let page = exemplar.plane;
         let total = exemplar.length();
         let (density, spacing) = (total / page.area(), page.area() / total);
@@ -229,7 +229,7 @@ impl LevelScales {
         CurveScale { distance, radius: radius.max(1.6 * distance) }
     }
 
-    fn coarsest(&self) -> CurveScale {
+    pub(crate) fn coarsest(&self) -> CurveScale {
         self.of(LEVELS[0])
     }
 
@@ -341,16 +341,16 @@ impl CurveTask<'_> {
 }
 
 /// Factors of the exemplar's sides with which a whole number of its periods fits a tile.
-fn stretch(page: PeriodicPlane, params: &CurveParams) -> [f64; 2] {
+pub(crate) fn stretch(page: PeriodicPlane, size: [f64; 2], tile: [bool; 2]) -> [f64; 2] {
     [0, 1].map(|k| {
-        let times = libm::round(params.size[k] / page.size[k]).max(1.0);
-        let factor = params.size[k] / (times * page.size[k]);
-        if page.wraps[k] && params.tile[k] && (factor - 1.0).abs() <= STRETCH { factor } else { 1.0 }
+        let times = libm::round(size[k] / page.size[k]).max(1.0);
+        let factor = size[k] / (times * page.size[k]);
+        if page.wraps[k] && tile[k] && (factor - 1.0).abs() <= STRETCH { factor } else { 1.0 }
     })
 }
 
 /// The exemplar repeated along its periods until neighbourhoods do not meet themselves.
-fn repeated(own: &CurveGraph, least: f64, finest: f64) -> Result<CurveGraph> {
+pub(crate) fn repeated(own: &CurveGraph, least: f64, finest: f64) -> Result<CurveGraph> {
     let page = own.plane;
     let times = [0, 1].map(|k| if page.wraps[k] { libm::ceil(least / page.size[k]).max(1.0) } else { 1.0 });
     let samples = (own.length() / finest + own.points.len() as f64) * times[0] * times[1];
@@ -367,10 +367,10 @@ fn repeated(own: &CurveGraph, least: f64, finest: f64) -> Result<CurveGraph> {
 
 /// The canvas with a margin along axes that do not repeat. It always repeats: what is beside it on one side is beside it
 /// on the other.
-fn canvas(page: PeriodicPlane, params: &CurveParams, radius: f64) -> PeriodicPlane {
+pub(crate) fn canvas(page: PeriodicPlane, (size, tile): ([f64; 2], [bool; 2]), radius: f64) -> PeriodicPlane {
     let size = [0, 1].map(|k| {
-        let size = params.size[k];
-        if params.tile[k] {
+        let size = size[k];
+        if tile[k] {
             return size;
         }
         let wanted = size + 2.0 * radius;

@@ -3,7 +3,7 @@
 use crate::context::GivenLines;
 use crate::graph::{CurveGraph, EdgeChain};
 use vtex_base::geometry::plane::{PeriodicPlane, along, length};
-use vtex_base::geometry::{BezPath, PathEl, Point, Vec2, fitted_curve};
+use vtex_base::geometry::{BezPath, PathEl, Point, Vec2, fitted_curve, signed_area};
 use vtex_base::parallel;
 
 /// Shortest step of a course, as a share of its length.
@@ -11,6 +11,8 @@ const FINEST: f64 = 1e-3;
 /// Cosine of the turn from which on a place of a course is a corner: 40°.
 const CORNER: f64 = 0.766;
 
+/// Points of the ring around a cell, at least.
+const RING_POINTS: f64 = 100.0;
 /// Steps in which the place is found where a curve passes the border of a region.
 const BISECTIONS: usize = 20;
 
@@ -165,6 +167,29 @@ impl ShownPart {
         points.windows(2).map(step).sum()
     }
 
+    /// Area of the part of a ring on the canvas.
+    pub(crate) fn area(&self, ring: Vec<Point>) -> f64 {
+        let at = |p: &Point, k: usize| if k == 0 { p.x } else { p.y };
+        let limits = (0..2).filter(|k| !self.tile[*k]).flat_map(|k| [(k, 1.0, 0.0), (k, -1.0, self.size[k])]);
+        // Cut along each side (Sutherland and Hodgman).
+        let left = limits.fold(ring, |ring, (k, sign, limit)| {
+            let beyond = |p: &Point| sign * (at(p, k) - limit);
+            let mut cut = Vec::with_capacity(ring.len());
+            for (i, p) in ring.iter().enumerate() {
+                let before = &ring[(i + ring.len() - 1) % ring.len()];
+                let (a, b) = (beyond(before), beyond(p));
+                if (a < 0.0) != (b < 0.0) {
+                    cut.push(before.lerp(*p, a / (a - b)));
+                }
+                if b >= 0.0 {
+                    cut.push(*p);
+                }
+            }
+            cut
+        });
+        signed_area(&left).abs()
+    }
+
     /// The places that are shown of a point and its copies on a plane that repeats.
     pub(crate) fn places(&self, at: [f64; 2], plane: PeriodicPlane) -> Vec<[f64; 2]> {
         let along = |k: usize| -> Vec<f64> {
@@ -222,6 +247,49 @@ impl ShownPart {
         }
         parts
     }
+}
+
+/// A ring with fewer points, which the others are at most `tolerance` away from.
+pub(crate) fn thinned_ring(ring: &[Point], tolerance: f64) -> Vec<Point> {
+    let round: Vec<Point> = ring.iter().chain(ring.first()).copied().collect();
+    let mut kept = thinned(&round, tolerance);
+    kept.pop();
+    kept
+}
+
+/// A course with fewer points, which the others are at most `tolerance` away from.
+pub(crate) fn thinned(course: &[Point], tolerance: f64) -> Vec<Point> {
+    let is_near = |from: Point, to: Point, p: Point| {
+        let way = to - from;
+        let t = ((p - from).dot(way) / way.hypot2().max(1e-12)).clamp(0.0, 1.0);
+        (from + t * way).distance_squared(p) <= tolerance * tolerance
+    };
+    let mut kept = vec![course[0]];
+    let mut from = 0;
+    for to in 2..course.len() {
+        if !course[from + 1..to].iter().all(|p| is_near(course[from], course[to], *p)) {
+            from = to - 1;
+            kept.push(course[from]);
+        }
+    }
+    kept.extend(course.last().filter(|_| course.len() > 1));
+    kept
+}
+
+/// A closed path along a ring, smooth but at corners.
+pub(crate) fn traced_ring(ring: &[Point], tolerance: f64) -> BezPath {
+    let n = ring.len();
+    let length: f64 = (0..n).map(|k| ring[k].distance(ring[(k + 1) % n])).sum();
+    // Between distant points a fitted path is free.
+    let step = (length / RING_POINTS).max(tolerance);
+    let mut course: Vec<[f64; 2]> = Vec::new();
+    for k in 0..n {
+        let [from, to] = [ring[k], ring[(k + 1) % n]];
+        let count = libm::ceil(from.distance(to) / step).max(1.0);
+        course.extend((0..count as usize).map(|i| from.lerp(to, i as f64 / count)).map(|p| [p.x, p.y]));
+    }
+    course.push(course[0]);
+    fitted(&from_corner(even(&course, tolerance, true)), true, tolerance)
 }
 
 /// A path through points, smooth but at corners.

@@ -1,5 +1,7 @@
 //! Drawings of lines that run on, made anew as curves ([`vtex_curves`]), or continued.
 
+use super::cell_drawing::CellDrawing;
+use super::cells::cell_texture;
 use super::compose::{Placement, What, blank, compose, compose_drawing};
 use super::line_density::thinned;
 use super::line_drawing::{LineDrawing, is_line};
@@ -25,7 +27,8 @@ const STRAY: f64 = 0.02;
 const TOLERANCE: f64 = 0.04;
 /// The method, and what it is for.
 const METHOD: &str = "curves";
-const LINES: &str = "for a drawing of lines, strokes or filled shapes that are long and thin, with small elements between them";
+const LINES: &str = "for a drawing of lines, strokes or filled shapes that are long and thin, with small elements between them, \
+     or of cells that lie side by side";
 
 /// Whether a library can be made anew: one drawing of lines, without a control that this method does not follow.
 ///
@@ -46,10 +49,29 @@ pub(super) fn check(libraries: &[Library], params: &SynthParams, controls: &Cont
             others += shape.area();
         }
     }
-    if lines == 0.0 || others > STRAY * (lines + others) {
-        return Err(refusal(METHOD, LINES));
+    let is_of_lines = lines > 0.0 && others <= STRAY * (lines + others);
+    if is_of_lines || cells_of(library, controls, &|| Ok(()))?.is_some() {
+        return Ok(());
     }
-    Ok(())
+    Err(refusal(METHOD, LINES))
+}
+
+/// The cells of a library, if it is a drawing of cells and nothing is asked that these do not follow.
+fn cells_of(
+    library: &Library,
+    controls: &Controls,
+    go_on: &dyn Fn() -> Result<()>,
+) -> Result<Option<CellDrawing>> {
+    if controls.density.is_some() || controls.context.is_some() {
+        return Ok(None);
+    }
+    CellDrawing::of(library, page(library, library.arrangement.periodic), go_on)
+}
+
+/// The page of a library.
+fn page(library: &Library, periodic: bool) -> PeriodicPlane {
+    let size = [library.source.width, library.source.height].map(f64::from);
+    PeriodicPlane { size, wraps: [periodic; 2] }
 }
 
 /// A texture of curves, and how close it came.
@@ -65,16 +87,15 @@ pub(super) fn synthesize(
     let go_on = || advance(progress, "curves", 0, 2);
     go_on()?;
     let periodic = library.arrangement.periodic;
-    let page = |periodic: bool| PeriodicPlane {
-        size: [library.source.width, library.source.height].map(f64::from),
-        wraps: [periodic; 2],
-    };
+    if let Some(cells) = cells_of(library, controls, &go_on)? {
+        return cell_texture(library, &cells, (params, controls), progress);
+    }
     // What is drawn beside has layers and categories of its own.
     let by_look = controls.context.is_some();
-    let mut drawing = LineDrawing::new(library, page(periodic), by_look, &go_on)?;
+    let mut drawing = LineDrawing::new(library, page(library, periodic), by_look, &go_on)?;
     let mut graph = drawing.exemplar.graph(&go_on)?;
     if periodic && !drawing.exemplar.is_seamless(&graph) {
-        drawing = LineDrawing::new(library, page(false), by_look, &go_on)?;
+        drawing = LineDrawing::new(library, page(library, false), by_look, &go_on)?;
         graph = drawing.exemplar.graph(&go_on)?;
     }
     // Lines are made as densely as the densest place asks for, and shown as densely as each place does.

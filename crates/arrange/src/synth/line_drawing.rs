@@ -4,6 +4,7 @@
 //! has cut, are painted into cells, whose centre lines are the strokes.
 
 use super::compose::{Placement, What};
+use super::page_raster::PageRaster;
 use super::report::CategoryReport;
 use vtex_base::error::Result;
 use vtex_base::geometry::plane::PeriodicPlane;
@@ -13,7 +14,7 @@ use vtex_base::raster::{CentreLine, Ink, centre_lines};
 use vtex_curves::{CurveElement, CurveExemplar, CurveResult, CurveStroke, PlacedCurveElement, TracedCurve};
 use vtex_scene::element::{Cap, CategoryId, ElementId, Join, Line, Shape};
 use vtex_scene::library::{ExemplarElement, ExemplarInstance, Library};
-use vtex_scene::scene::{Element, LibraryId, SynthParams, pixels};
+use vtex_scene::scene::{Element, LibraryId, SynthParams};
 
 /// Least ratio of length to width of a filled outline that is a line.
 const THIN: f64 = 5.0;
@@ -328,31 +329,15 @@ fn thinned(
     thinnest: f64,
     go_on: &dyn Fn() -> Result<()>,
 ) -> Result<(Vec<CentreLine>, f64)> {
-    let most = libm::sqrt(MOST_CELLS / page.area());
-    let fine = (CELLS / thinnest.max(1e-6)).min(most);
-    // Whole cells on a page that repeats.
-    let count = page.size.map(|s| libm::round(s * fine).max(3.0));
-    let by = [count[0] / page.size[0], count[1] / page.size[1]];
-    let size = count.map(|v| v as usize);
-    let mut ink = Ink { size, wraps: page.wraps, cells: vec![false; size[0] * size[1]] };
-    let scale = Affine::scale_non_uniform(by[0], by[1]);
+    let raster = PageRaster::new(page, CELLS / thinnest.max(1e-6), MOST_CELLS);
+    let [columns, rows] = raster.size;
+    let mut ink = Ink { size: raster.size, wraps: page.wraps, cells: vec![false; columns * rows] };
     for shape in shapes {
         go_on()?;
-        for span in pixels::mask(&shape.outline.moved(scale)).spans() {
-            let place = |v: i32, k: usize| match page.wraps[k] {
-                true => Some(v.rem_euclid(size[k] as i32)),
-                false => (0..size[k] as i32).contains(&v).then_some(v),
-            };
-            let Some(row) = place(span.y, 1) else { continue };
-            for x in span.x0..span.x1 {
-                if let Some(column) = place(x, 0) {
-                    ink.cells[row as usize * size[0] + column as usize] = true;
-                }
-            }
-        }
+        raster.each(&shape.outline, |cell| ink.cells[cell] = true);
     }
     let (lines, width) = centre_lines(&ink, RIM, go_on)?;
-    let back = |p: [f64; 2]| [0, 1].map(|k| p[k] / by[k]);
-    let lines = lines.into_iter().map(|(points, closed)| (points.into_iter().map(back).collect(), closed));
-    Ok((lines.collect(), width / libm::sqrt(by[0] * by[1])))
+    let back = |line: Vec<[f64; 2]>| line.into_iter().map(|p| raster.unscaled(p)).collect();
+    let lines = lines.into_iter().map(|(points, closed)| (back(points), closed));
+    Ok((lines.collect(), width * raster.unit()))
 }

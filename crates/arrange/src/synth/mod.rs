@@ -7,6 +7,10 @@
 mod backdrop;
 pub(crate) mod background;
 mod canvas_parts;
+#[cfg(feature = "curves")]
+mod cell_drawing;
+#[cfg(feature = "curves")]
+mod cells;
 #[cfg(feature = "clustered")]
 mod clustered;
 pub(crate) mod compose;
@@ -21,6 +25,8 @@ mod line_drawing;
 #[cfg(test)]
 mod motif_tests;
 mod neighbourhoods;
+#[cfg(feature = "curves")]
+mod page_raster;
 mod period;
 pub(crate) mod report;
 #[cfg(any(feature = "clustered", feature = "curves"))]
