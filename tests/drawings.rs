@@ -370,3 +370,23 @@ fn whole_motifs_keep_to_a_domain_along_a_field() {
         }
     }
 }
+
+#[test]
+fn cells_of_different_sizes_come_in_another_order() {
+    let library = read(include_bytes!("../examples/drawings/mosaic.svg")).unwrap();
+    let tile = Tile { x: true, y: true };
+    let params = SynthParams { width: 320, height: 300, seed: 2, tile, ..SynthParams::default() };
+    let of = |params: &SynthParams| {
+        synthesize_with(std::slice::from_ref(&library), params, &Controls::default(), &()).unwrap()
+    };
+    let (scene, report) = of(&params);
+    assert_eq!(report.method, Method::Curves);
+    scene.check().unwrap();
+    let off = report.coverage / report.coverage_wanted - 1.0;
+    assert!(off.abs() < 0.05, "{} of {}", report.coverage, report.coverage_wanted);
+    // Some are the drawing's own, others are made to fit.
+    let made = scene.elements.iter().filter(|e| e.fused).count();
+    assert!(made > 0 && made < scene.elements.len(), "{made} of {}", scene.elements.len());
+    let (_, report) = of(&SynthParams { method: Method::Period, ..params });
+    assert_eq!(report.method, Method::Period);
+}

@@ -86,7 +86,7 @@ pub(crate) fn patches(
     go_on: &dyn Fn() -> Result<()>,
 ) -> Result<CurveOutput> {
     let change = variation * if input.graph.plane.wraps == [true; 2] { CHANGE_REGULAR } else { CHANGE };
-    let rule = PatchRule { change, tried: TRIED, seed };
+    let rule = PatchRule { change, tried: TRIED, side: 2.0 * input.scale.radius, seed };
     let (mut output, patches) = laid(input, output, rule, given, go_on)?;
     join(&mut output, &patches, input);
     Ok(output)
@@ -99,6 +99,8 @@ pub(crate) struct PatchRule {
     pub(crate) change: f64,
     /// Places tried for a patch, besides those that go on from its neighbours.
     pub(crate) tried: usize,
+    /// Longest side of a patch.
+    pub(crate) side: f64,
     pub(crate) seed: u64,
 }
 
@@ -114,9 +116,8 @@ pub(crate) fn laid(
     go_on: &dyn Fn() -> Result<()>,
 ) -> Result<(CurveOutput, Vec<Patch>)> {
     let (page, plane) = (input.graph.plane, output.plane);
-    let side = 2.0 * input.scale.radius;
     let most = [0, 1].map(|k| if page.wraps[k] { 0.45 } else { 0.6 } * page.size[k]);
-    let count = [0, 1].map(|k| libm::ceil(plane.size[k] / side.min(most[k])).max(1.0) as usize);
+    let count = [0, 1].map(|k| libm::ceil(plane.size[k] / rule.side.min(most[k])).max(1.0) as usize);
     let size = [0, 1].map(|k| plane.size[k] / count[k] as f64);
     let mut alike = AlikeSamples { input, known: BTreeMap::new() };
     let mut patches: Vec<Patch> = Vec::with_capacity(count[0] * count[1]);

@@ -8,10 +8,13 @@
 
 use crate::trace::thinned;
 use std::collections::VecDeque;
+use vtex_base::error::Result;
 use vtex_base::geometry::{OUTSIDE, PlanarMap, Point, Rect, Vec2, inside};
 use vtex_base::parallel;
 use vtex_base::raster::{Connectivity, LabelMap, components, edge_neighbours};
 
+/// Rows, borders and shapes between two questions whether to go on.
+const AT_ONCE: usize = 64;
 /// Steps in which a point is moved to where its shapes are equally far.
 const STEPS: usize = 6;
 /// How far a point may be moved from where the grid has it, in sides of a cell of the grid.
@@ -148,10 +151,14 @@ struct Placing<'a> {
 }
 
 impl PartitionTask<'_> {
-    pub(crate) fn divided(&self) -> Partition {
+    /// The plane divided. `go_on` is asked between parts of the work.
+    ///
+    /// # Errors
+    /// Those of `go_on`.
+    pub(crate) fn divided(&self, go_on: &dyn Fn() -> Result<()>) -> Result<Partition> {
         let numbers: Vec<u32> = (0..self.placed.len() as u32).collect();
-        let contested = parallel::map(&numbers, |&k| self.contested(k));
-        Placing { task: self, contested }.divided()
+        let contested = in_parts(&numbers, go_on, |&k| self.contested(k))?;
+        Placing { task: self, contested }.divided(go_on)
     }
 
     fn half_gap(&self) -> f64 {
@@ -202,11 +209,12 @@ impl PartitionTask<'_> {
 }
 
 impl Placing<'_> {
-    fn divided(&self) -> Partition {
+    fn divided(&self, go_on: &dyn Fn() -> Result<()>) -> Result<Partition> {
         let task = self.task;
         let size =
             [task.window.width(), task.window.height()].map(|v| libm::ceil(v / task.step).max(1.0) as u32);
-        let labels = self.labels(size);
+        let labels = self.labels(size, go_on)?;
+        go_on()?;
         let map = PlanarMap::trace(size[0], size[1], &labels);
         let at = |p: [i32; 2]| task.window.origin() + task.step * Vec2::new(f64::from(p[0]), f64::from(p[1]));
         // The shapes at each junction.
@@ -221,8 +229,8 @@ impl Placing<'_> {
                 );
             }
         }
-        let junctions = parallel::map(&meeting, |(place, shapes)| self.balanced(*place, shapes));
-        let courses: Vec<(Vec<Point>, bool)> = parallel::map(&map.arcs, |arc| {
+        let junctions = in_parts(&meeting, go_on, |(place, shapes)| self.balanced(*place, shapes))?;
+        let courses: Vec<(Vec<Point>, bool)> = in_parts(&map.arcs, go_on, |arc| {
             let points = map.points_of(arc);
             let sides = [arc.left, arc.right];
             let middles = points.windows(2).map(|w| at(w[0]).midpoint(at(w[1])));
@@ -232,7 +240,7 @@ impl Placing<'_> {
             let course: Vec<Point> = [first].into_iter().chain(inner).chain([last]).collect();
             let is_drawn = self.is_as_drawn(&course, sides);
             (thinned(&course, if is_drawn { task.tolerance } else { LOOSE * task.step }), is_drawn)
-        });
+        })?;
         let rings = map.rings(task.placed.len(), |label| label);
         let ring = |of: usize| {
             let mut ring: Vec<Point> = Vec::new();
@@ -255,7 +263,7 @@ impl Placing<'_> {
             sides: [arc.left - 1, arc.right - 1],
             is_drawn,
         });
-        Partition { rings, borders: borders.collect() }
+        Ok(Partition { rings, borders: borders.collect() })
     }
 
     /// Whether a border lies half a joint from both its shapes, counted from 1, but for its ends, where joints are wider.
@@ -308,12 +316,12 @@ impl Placing<'_> {
     }
 
     /// The number of the nearest shape in each cell of the grid, from 1; each has one connected part at most.
-    fn labels(&self, [width, height]: [u32; 2]) -> Vec<u32> {
+    fn labels(&self, [width, height]: [u32; 2], go_on: &dyn Fn() -> Result<()>) -> Result<Vec<u32>> {
         let task = self.task;
         let inflated = |k| task.bounds(k).inflate(task.reach, task.reach);
         let boxes: Vec<Rect> = (0..task.placed.len() as u32).map(inflated).collect();
         let rows: Vec<u32> = (0..height).collect();
-        let labels = parallel::map(&rows, |&row| {
+        let labels = in_parts(&rows, go_on, |&row| {
             let y = task.window.y0 + (f64::from(row) + 0.5) * task.step;
             let mut best: Vec<(f64, u32)> = vec![(f64::INFINITY, 0); width as usize];
             for (k, bounds) in boxes.iter().enumerate().filter(|(_, b)| (b.y0..=b.y1).contains(&y)) {
@@ -328,8 +336,8 @@ impl Placing<'_> {
                 }
             }
             best.into_iter().map(|b| b.1).collect::<Vec<u32>>()
-        });
-        whole(LabelMap { width, height, labels: labels.concat() })
+        })?;
+        Ok(whole(LabelMap { width, height, labels: labels.concat() }))
     }
 
     /// A point moved to where shapes, counted from 1, are equally far; the point itself if that is nowhere near.
@@ -364,6 +372,20 @@ impl Placing<'_> {
             shapes[1..].iter().all(|other| (self.cost(other - 1, p).0 - first).abs() < EVEN * task.step);
         if is_even { p } else { from }
     }
+}
+
+/// A function of all items, in parts between which `go_on` is asked.
+fn in_parts<T: Sync, U: Send>(
+    items: &[T],
+    go_on: &dyn Fn() -> Result<()>,
+    f: impl Fn(&T) -> U + Sync + Send,
+) -> Result<Vec<U>> {
+    let mut all = Vec::with_capacity(items.len());
+    for part in items.chunks(AT_ONCE) {
+        go_on()?;
+        all.extend(parallel::map(part, &f));
+    }
+    Ok(all)
 }
 
 /// Labels of which each has one connected part, its largest; what it loses goes to what is beside it.

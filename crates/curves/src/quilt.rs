@@ -6,6 +6,7 @@
 //! borders of patches all are as in the exemplar.
 
 use crate::exemplar::{CurveExemplar, CurveStroke};
+use crate::graph::CurveGraph;
 use crate::initial::{PatchRule, laid};
 use crate::input::CurveInput;
 use crate::optimise::{LevelScales, canvas, repeated, stretch};
@@ -22,7 +23,7 @@ use vtex_base::sampling::stream;
 /// Cells of the grid across half a cell of the exemplar.
 const FINE: f64 = 12.0;
 /// Most cells of the grid.
-const MOST_GRID: f64 = 4e7;
+const MOST_GRID: f64 = 2e7;
 /// Largest share of a cell that others may cover.
 const COVERED: f64 = 0.35;
 /// Half the width of a gap that another cell fills, in half widths of the middle cell.
@@ -46,8 +47,9 @@ const CHANGE_REGULAR: f64 = 0.04;
 /// one of lines.
 const LONG: f64 = 16.0;
 const LINED: f64 = 0.25;
-/// Places tried for a patch.
-const TRIED: usize = 400;
+/// Places tried for a patch, and its longest side in half widths of the middle cell.
+const TRIED: usize = 60;
+const PATCH: f64 = 7.0;
 /// Least radius of the corners of cells that are made to fit, and half the width of the dents that they lose, in half
 /// widths of the middle cell.
 const ROUND: f64 = 0.02;
@@ -112,6 +114,8 @@ struct CellScale {
     rounding: f64,
     /// Extent of the largest cell.
     largest: f64,
+    /// Whether joints run on through many cells.
+    is_lined: bool,
 }
 
 /// A texture of cells. `go_on` is asked between parts of the work.
@@ -125,10 +129,7 @@ pub fn quilted_cells(
 ) -> Result<Vec<QuiltedCell>> {
     let by = stretch(exemplar.page, params.size, params.tile);
     let own = exemplar.stretched(by);
-    let (scale, strokes) = own.measured(go_on)?;
-    let weld = WELD * scale.reach;
-    let joints = CurveExemplar { page: own.page, strokes, elements: Vec::new(), weld };
-    let graph = joints.graph(go_on)?;
+    let (scale, graph) = own.measured(go_on)?;
     let scales = LevelScales::new(&graph);
     let coarsest = scales.coarsest();
     let input = CurveInput::alone(&repeated(&graph, 4.5 * coarsest.radius, scales.finest)?, coarsest);
@@ -143,11 +144,12 @@ pub fn quilted_cells(
     }
     let change = match own.is_irregular() {
         false => CHANGE_REGULAR,
-        true if graph.runs_on(LONG * scale.reach) > LINED => CHANGE_LINED,
+        true if scale.is_lined => CHANGE_LINED,
         true => CHANGE,
     };
     let change = params.variation * change;
-    let rule = PatchRule { change, tried: TRIED, seed: params.seed };
+    let side = (2.0 * coarsest.radius).max(PATCH * scale.reach);
+    let rule = PatchRule { change, tried: TRIED, side, seed: params.seed };
     let (_, patches) = laid(&input, CurveOutput::new(plane), rule, None, go_on)?;
     let mut quilt = Quilt::new(&own, &scale, plane);
     for patch in &patches {
@@ -162,9 +164,8 @@ pub fn quilted_cells(
     quilt.fill_holes(params.seed, go_on)?;
     let mut placed = quilt.placed;
     go_on()?;
-    own.drop_remnants(&mut placed, plane, &scale);
-    go_on()?;
-    Ok(own.traced((&placed, plane), &scale, (params, by)))
+    own.drop_remnants(&mut placed, plane, &scale, go_on)?;
+    own.traced((&placed, plane), &scale, (params, by), go_on)
 }
 
 impl CellExemplar {
@@ -177,6 +178,15 @@ impl CellExemplar {
         }
     }
 
+    /// Whether the cells come in an order of their own wherever variation is asked for: they have different sizes, and
+    /// their joints do not run on through many of them, as those of bricks do.
+    ///
+    /// # Errors
+    /// Those of `go_on`.
+    pub fn is_rearranged(&self, go_on: &dyn Fn() -> Result<()>) -> Result<bool> {
+        Ok(self.is_irregular() && !self.measured(go_on)?.0.is_lined)
+    }
+
     /// Whether cells have different sizes.
     fn is_irregular(&self) -> bool {
         let whole = self.cells.iter().zip(&self.is_whole).filter(|c| *c.1);
@@ -187,14 +197,15 @@ impl CellExemplar {
         libm::sqrt(deviation) > IRREGULAR * mean
     }
 
-    /// The lengths of the page, and its joints.
-    fn measured(&self, go_on: &dyn Fn() -> Result<()>) -> Result<(CellScale, Vec<CurveStroke>)> {
+    /// The lengths of the page, and the graph of its joints.
+    fn measured(&self, go_on: &dyn Fn() -> Result<()>) -> Result<(CellScale, CurveGraph)> {
         let mut reaches: Vec<f64> = parallel::map(&self.cells, CellShape::reach);
         reaches.sort_by(f64::total_cmp);
         let reach = reaches.get(reaches.len() / 2).copied().unwrap_or(1.0).max(1e-6);
         let extent = |c: &CellShape| c.bounds().width().max(c.bounds().height());
         let largest = self.cells.iter().map(extent).fold(0.0, f64::max);
-        let mut scale = CellScale { reach, step: reach / FINE, gap: 0.0, rounding: 0.0, largest };
+        let mut scale =
+            CellScale { reach, step: reach / FINE, gap: 0.0, rounding: 0.0, largest, is_lined: false };
         go_on()?;
         let margin = largest + GROWN * reach;
         let [width, height] = self.page.size;
@@ -205,8 +216,7 @@ impl CellExemplar {
             (0..self.cells.len() as u32).map(|shape| PlacedShape { shape, by: Vec2::ZERO }).collect();
         let placed = self.copies((&home, self.page), window, scale.reach * GROWN);
         let task = PartitionTask { half_gap: None, ..self.task(&placed, window, &scale) };
-        let Partition { rings, borders } = task.divided();
-        go_on()?;
+        let Partition { rings, borders } = task.divided(go_on)?;
         let mut gaps = Vec::new();
         let mut strokes = Vec::new();
         for border in &borders {
@@ -240,7 +250,10 @@ impl CellExemplar {
             }
             scale.rounding = low;
         }
-        Ok((scale, strokes))
+        let joints = CurveExemplar { page: self.page, strokes, elements: Vec::new(), weld: WELD * reach };
+        let graph = joints.graph(go_on)?;
+        scale.is_lined = graph.runs_on(LONG * reach) > LINED;
+        Ok((scale, graph))
     }
 
     fn task<'a>(&'a self, placed: &'a [PlacedShape], window: Rect, scale: &CellScale) -> PartitionTask<'a> {
@@ -283,11 +296,17 @@ impl CellExemplar {
     }
 
     /// Takes away placed cells of which others leave little.
-    fn drop_remnants(&self, placed: &mut Vec<PlacedShape>, plane: PeriodicPlane, scale: &CellScale) {
+    fn drop_remnants(
+        &self,
+        placed: &mut Vec<PlacedShape>,
+        plane: PeriodicPlane,
+        scale: &CellScale,
+        go_on: &dyn Fn() -> Result<()>,
+    ) -> Result<()> {
         let margin = scale.largest + 2.0 * GROWN * scale.reach;
         let window = Rect::new(0.0, 0.0, plane.size[0], plane.size[1]).inflate(margin, margin);
         let copies = self.copies((placed, plane), window, GROWN * scale.reach);
-        let rings = self.task(&copies, window, scale).divided().rings;
+        let rings = self.task(&copies, window, scale).divided(go_on)?.rings;
         let is_remnant = |own: &PlacedShape| {
             let copy = copies.iter().position(|c| c == own);
             copy.is_some_and(|k| signed_area(&rings[k]) < REMNANT * self.cells[own.shape as usize].area())
@@ -295,6 +314,7 @@ impl CellExemplar {
         let kept: Vec<bool> = parallel::map(placed, |own| !is_remnant(own));
         let mut kept = kept.into_iter();
         placed.retain(|_| kept.next() != Some(false));
+        Ok(())
     }
 
     /// The cells of the canvas, each along its part of it.
@@ -303,14 +323,15 @@ impl CellExemplar {
         (placed, plane): (&[PlacedShape], PeriodicPlane),
         scale: &CellScale,
         (params, by): (&CellParams, [f64; 2]),
-    ) -> Vec<QuiltedCell> {
+        go_on: &dyn Fn() -> Result<()>,
+    ) -> Result<Vec<QuiltedCell>> {
         let shown = ShownPart { size: params.size, tile: params.tile, margin: 0.0 };
         let margin = scale.largest + 2.0 * GROWN * scale.reach;
         let canvas = Rect::new(0.0, 0.0, params.size[0], params.size[1]);
         let window = canvas.inflate(margin, margin);
         let copies = self.copies((placed, plane), window, GROWN * scale.reach);
         let task = self.task(&copies, window, scale);
-        let Partition { rings, borders } = task.divided();
+        let Partition { rings, borders } = task.divided(go_on)?;
         // Length of the borders of each that lie where the exemplar has them, and of all.
         let mut drawn = vec![[0.0f64; 2]; copies.len()];
         for border in &borders {
@@ -342,7 +363,7 @@ impl CellExemplar {
             let path = (!is_same).then(|| traced_ring(&thinned_ring(&ring, tolerance), tolerance));
             Some(QuiltedCell { cell: copies[k].shape, map, path, shown_area })
         };
-        parallel::map(&numbers, of).into_iter().flatten().collect()
+        Ok(parallel::map(&numbers, of).into_iter().flatten().collect())
     }
 }
 

@@ -46,8 +46,8 @@ pub(crate) struct SynthFlags {
     /// How elements are placed: carried from the exemplar along a field of correspondences, which keeps
     /// structure larger than a few elements; one by one by the descriptors of their neighbours; by the
     /// period of a drawing whose borders join; by clusters of samples, for a drawing; as curves, for a
-    /// drawing of lines that run on; or as the library allows [auto, correspondence, descriptor, period, clustered
-    /// or curves, default: auto]
+    /// drawing of lines that run on or of cells side by side; or as the library allows [auto, correspondence,
+    /// descriptor, period, clustered or curves, default: auto]
     #[arg(long, value_name = "METHOD", hide_possible_values = true)]
     #[arg(value_parser = one_of(&["auto", "correspondence", "descriptor", "period", "clustered", "curves"], named::<Method>))]
     pub(crate) method: Option<Method>,

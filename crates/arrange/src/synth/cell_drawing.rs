@@ -18,7 +18,7 @@ use vtex_scene::library::Library;
 const FEW: f64 = 2.5e5;
 const MANY: f64 = 3e6;
 /// Least number of cells, and least share of the page that they cover.
-const LEAST: usize = 6;
+const LEAST: usize = 2;
 const COVERED: f64 = 0.5;
 /// Largest width of the ground between cells, in widths of the middle cell, and least width of a cell.
 const THIN: f64 = 0.5;

@@ -140,3 +140,96 @@ fn of_rings(rings: &[Vec<Point>]) -> BezPath {
     }
     path
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::synth::{Controls, SynthReport, synthesize_with};
+    use vtex_base::error::Error;
+    use vtex_base::geometry::Outline;
+    use vtex_base::raster::{ControlMap, LabelMap};
+    use vtex_scene::element::Shape;
+    use vtex_scene::library::{Library, Role, SourceKind, testing};
+    use vtex_scene::scene::{Method, Scene, SynthParams, Tile};
+
+    /// Slabs with joints of four pixels on a page that repeats: four columns, each divided elsewhere.
+    fn slabs() -> Library {
+        let mut map = LabelMap::filled(160, 120, 0);
+        let (mut left, mut label) = (0, 0);
+        for k in 0..4 {
+            let mut top = 0;
+            for height in [[40, 44, 36], [52, 30, 38], [34, 46, 40], [42, 28, 50]][k] {
+                label += 1;
+                for (dx, dy) in (2..height - 2).flat_map(|dy| (2..38).map(move |dx| (dx, dy))) {
+                    map.labels[((top + dy) * 160 + left + dx) as usize] = label;
+                }
+                top += height;
+            }
+            left += 40;
+        }
+        let mut library = testing::library(&map);
+        let count = library.primaries().len();
+        library.elements.truncate(count);
+        library.layers.retain(|l| l.role != Role::Secondary);
+        library.source.kind = SourceKind::Drawing;
+        library.arrangement.periodic = true;
+        library
+    }
+
+    /// Outlines of generated libraries go round each row of pixels: these are rectangles.
+    fn rectangles(mut library: Library) -> Library {
+        for element in &mut library.elements {
+            let path = kurbo::Shape::to_path(&element.shapes[0].outline.bounds(), 0.1);
+            element.shapes = vec![Shape::new(Outline::new(&path).unwrap(), element.colour)];
+        }
+        library
+    }
+
+    fn run(library: &Library, method: Method, controls: &Controls) -> Result<(Scene, SynthReport), Error> {
+        let params = SynthParams {
+            width: 330,
+            height: 250,
+            seed: 2,
+            method,
+            tile: Tile { x: true, y: true },
+            ..SynthParams::default()
+        };
+        synthesize_with(std::slice::from_ref(library), &params, controls, &())
+    }
+
+    #[test]
+    fn slabs_fill_a_tile_with_even_joints() {
+        let library = rectangles(slabs());
+        let (scene, report) = run(&library, Method::Curves, &Controls::default()).unwrap();
+        scene.check().unwrap();
+        assert_eq!(report.method, Method::Curves);
+        let off = (report.coverage / report.coverage_wanted - 1.0).abs();
+        assert!(off < 0.06, "{} of {}", report.coverage, report.coverage_wanted);
+        let shown: f64 = report.categories.iter().map(|c| c.got).sum();
+        assert!((shown / report.coverage - 1.0).abs() < 0.06, "{shown} and {}", report.coverage);
+        // Each is of an element of the drawing, in its colour.
+        for element in &scene.elements {
+            let source = &library.elements[element.source.unwrap().index()];
+            assert_eq!((element.category, element.shapes[0].colour), (source.category, source.colour));
+        }
+        let density = ControlMap::new(1, 1, vec![1.0]).unwrap();
+        let refused =
+            run(&library, Method::Curves, &Controls { density: Some(density), ..Controls::default() });
+        assert!(matches!(refused, Err(Error::Parameter { name: "method", .. })), "{refused:?}");
+    }
+
+    #[test]
+    fn slabs_far_from_one_another_are_no_cells() {
+        let mut map = LabelMap::filled(160, 120, 0);
+        for (x, y) in
+            (0..120).flat_map(|y| (0..160).map(move |x| (x, y))).filter(|(x, y)| x % 40 < 22 && y % 40 < 22)
+        {
+            map.labels[(y * 160 + x) as usize] = 1 + x / 40 + 4 * (y / 40);
+        }
+        let mut library = testing::library(&map);
+        library.layers.retain(|l| l.role != Role::Secondary);
+        library.source.kind = SourceKind::Drawing;
+        library.arrangement.periodic = true;
+        let refused = run(&library, Method::Curves, &Controls::default());
+        assert!(matches!(refused, Err(Error::Parameter { name: "method", .. })), "{refused:?}");
+    }
+}

@@ -56,6 +56,14 @@ pub(super) fn check(libraries: &[Library], params: &SynthParams, controls: &Cont
     Err(refusal(METHOD, LINES))
 }
 
+/// Whether a library is a drawing of cells that come in an order of their own.
+pub(super) fn rearranges_cells(libraries: &[Library], params: &SynthParams, controls: &Controls) -> bool {
+    let go_on = || Ok(());
+    let Ok(library) = single_drawing(libraries, params, controls) else { return false };
+    let cells = cells_of(library, controls, &go_on).ok().flatten();
+    cells.is_some_and(|cells| cells.exemplar.is_rearranged(&go_on).unwrap_or(false))
+}
+
 /// The cells of a library, if it is a drawing of cells and nothing is asked that these do not follow.
 fn cells_of(
     library: &Library,

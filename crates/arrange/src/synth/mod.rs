@@ -289,6 +289,9 @@ fn method(libraries: &[Library], params: &SynthParams, controls: &Controls) -> R
         Method::Curves => curves::check(libraries, params, controls).map(|()| Method::Curves),
         #[cfg(not(feature = "curves"))]
         Method::Curves => Err(not_built("curves")),
+        // The period of irregular cells would be seen.
+        #[cfg(feature = "curves")]
+        Method::Auto if plain && curves::rearranges_cells(libraries, params, controls) => Ok(Method::Curves),
         Method::Auto if periodic && plain => Ok(Method::Period),
         Method::Period if !periodic => Err(Error::Parameter {
             name: "method",

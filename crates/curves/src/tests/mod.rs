@@ -1,6 +1,7 @@
 //! Tests of the whole, and of the steps by hand cases.
 
 mod context;
+mod quilt;
 
 use crate::edges::{EdgeVote, chosen};
 use crate::exemplar::{CurveElement, CurveExemplar, CurveStroke};

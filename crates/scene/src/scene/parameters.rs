@@ -155,7 +155,8 @@ impl FromStr for LatticeChoice {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
-    /// `period` for one periodic drawing, `descriptor` for other drawings; else `correspondence` if
+    /// `curves` for a picture of lines and a drawing of irregular cells, `period` for another periodic drawing,
+    /// `descriptor` for other drawings; else `correspondence` if
     /// every library has a guide and no option is set that only `descriptor`
     /// supports (weights of the score, parts of its method left out); otherwise `descriptor`.
     #[default]
@@ -172,7 +173,8 @@ pub enum Method {
     /// exemplar (Tu, Wei and Zwicker 2022). For one drawing.
     Clustered,
     /// Lines that run on are made anew as a graph of curves, in which all neighbourhoods look like those of the
-    /// exemplar (Tu, dissertation, chapter 2). For one drawing of lines.
+    /// exemplar (Tu, dissertation, chapter 2). For one drawing of lines, or of cells side by side, which come whole in
+    /// another order.
     Curves,
 }
 
