@@ -387,6 +387,6 @@ fn cells_of_different_sizes_come_in_another_order() {
     // Some are the drawing's own, others are made to fit.
     let made = scene.elements.iter().filter(|e| e.fused).count();
     assert!(made > 0 && made < scene.elements.len(), "{made} of {}", scene.elements.len());
-    let (_, report) = of(&SynthParams { method: Method::Period, ..params });
+    let (_, report) = of(&SynthParams { method: Method::Period, width: 300, ..params });
     assert_eq!(report.method, Method::Period);
 }

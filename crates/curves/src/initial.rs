@@ -86,7 +86,8 @@ pub(crate) fn patches(
     go_on: &dyn Fn() -> Result<()>,
 ) -> Result<CurveOutput> {
     let change = variation * if input.graph.plane.wraps == [true; 2] { CHANGE_REGULAR } else { CHANGE };
-    let rule = PatchRule { change, tried: TRIED, side: 2.0 * input.scale.radius, seed };
+    let side = 2.0 * input.scale.radius;
+    let rule = PatchRule { change, tried: TRIED, is_elsewhere: false, side, seed };
     let (mut output, patches) = laid(input, output, rule, given, go_on)?;
     join(&mut output, &patches, input);
     Ok(output)
@@ -99,6 +100,8 @@ pub(crate) struct PatchRule {
     pub(crate) change: f64,
     /// Places tried for a patch, besides those that go on from its neighbours.
     pub(crate) tried: usize,
+    /// Whether the exemplar as it goes on, a period away, is no other place.
+    pub(crate) is_elsewhere: bool,
     /// Longest side of a patch.
     pub(crate) side: f64,
     pub(crate) seed: u64,
@@ -334,9 +337,8 @@ fn choose(
             let way = plane.between(middle, at);
             [0, 1].map(|k| to[k] - (middle[k] + way[k]))
         };
-        // The exemplar itself, a period away, is no other place.
         let goes_on = |way: &[f64; 2]| length(input.graph.page.between(*way, offset)) < input.scale.distance;
-        if fits(page, patch, offset) && !tried[..known].iter().any(goes_on) {
+        if fits(page, patch, offset) && !(rule.is_elsewhere && tried[..known].iter().any(goes_on)) {
             tried.push(offset);
         }
     }

@@ -149,7 +149,7 @@ pub fn quilted_cells(
     };
     let change = params.variation * change;
     let side = (2.0 * coarsest.radius).max(PATCH * scale.reach);
-    let rule = PatchRule { change, tried: TRIED, side, seed: params.seed };
+    let rule = PatchRule { change, tried: TRIED, is_elsewhere: true, side, seed: params.seed };
     let (_, patches) = laid(&input, CurveOutput::new(plane), rule, None, go_on)?;
     let mut quilt = Quilt::new(&own, &scale, plane);
     for patch in &patches {
