@@ -13,7 +13,8 @@ use crate::optimise::{LevelScales, canvas, repeated, stretch};
 use crate::output::CurveOutput;
 use crate::partition::{CellShape, Partition, PartitionTask, PlacedShape};
 use crate::trace::{ShownPart, thinned_ring, traced_ring};
-use vtex_base::error::{Error, Result};
+use std::collections::BTreeMap;
+use vtex_base::error::{Error, Large, Result};
 use vtex_base::geometry::plane::PeriodicPlane;
 use vtex_base::geometry::{Affine, BezPath, Point, Rect, Vec2, moved_inwards, opened, signed_area};
 use vtex_base::parallel;
@@ -121,7 +122,8 @@ struct CellScale {
 /// A texture of cells. `go_on` is asked between parts of the work.
 ///
 /// # Errors
-/// [`Error::TooLarge`] for too many cells, [`Error::Parameter`] if none may come, and those of `go_on`.
+/// [`Error::TooLarge`] for too many cells, [`Error::Parameter`] if they have no joints or do not fit on
+/// the canvas, and those of `go_on`.
 pub fn quilted_cells(
     exemplar: &CellExemplar,
     params: &CellParams,
@@ -130,18 +132,18 @@ pub fn quilted_cells(
     let by = stretch(exemplar.page, params.size, params.tile);
     let own = exemplar.stretched(by);
     let (scale, graph) = own.measured(go_on)?;
+    if graph.length() <= 0.0 {
+        return Err(Error::Parameter {
+            name: "method",
+            value: "curves".into(),
+            allowed: "for cells that lie side by side; those of this drawing have no joints".into(),
+        });
+    }
     let scales = LevelScales::new(&graph);
     let coarsest = scales.coarsest();
     let input = CurveInput::alone(&repeated(&graph, 4.5 * coarsest.radius, scales.finest)?, coarsest);
     let plane = canvas(own.page, (params.size, params.tile), coarsest.radius.max(scale.largest));
-    if plane.area() / (scale.step * scale.step) > MOST_GRID {
-        return Err(Error::TooLarge {
-            what: vtex_base::error::Large::Canvas,
-            name: "size".into(),
-            found: format!("about {:.0} cells", plane.area() / (scale.reach * scale.reach)),
-            limit: format!("{:.0}", MOST_GRID / (FINE * FINE)),
-        });
-    }
+    scale.check(Large::Canvas, plane)?;
     let change = match own.is_irregular() {
         false => CHANGE_REGULAR,
         true if scale.is_lined => CHANGE_LINED,
@@ -165,7 +167,15 @@ pub fn quilted_cells(
     let mut placed = quilt.placed;
     go_on()?;
     own.drop_remnants(&mut placed, plane, &scale, go_on)?;
-    own.traced((&placed, plane), &scale, (params, by), go_on)
+    let found = own.traced((&placed, plane), &scale, (params, by), go_on)?;
+    if found.is_empty() {
+        return Err(Error::Parameter {
+            name: "size",
+            value: format!("{} x {}", params.size[0], params.size[1]),
+            allowed: format!("a canvas on which cells of {:.0} fit", 2.0 * scale.reach).into(),
+        });
+    }
+    Ok(found)
 }
 
 impl CellExemplar {
@@ -206,6 +216,7 @@ impl CellExemplar {
         let largest = self.cells.iter().map(extent).fold(0.0, f64::max);
         let mut scale =
             CellScale { reach, step: reach / FINE, gap: 0.0, rounding: 0.0, largest, is_lined: false };
+        scale.check(Large::Drawing, self.page)?;
         go_on()?;
         let margin = largest + GROWN * reach;
         let [width, height] = self.page.size;
@@ -388,6 +399,19 @@ impl CellShape {
 }
 
 impl CellScale {
+    /// An error if a plane has too many cells.
+    fn check(&self, what: Large, plane: PeriodicPlane) -> Result<()> {
+        if plane.area() <= MOST_GRID * self.step * self.step {
+            return Ok(());
+        }
+        Err(Error::TooLarge {
+            name: if what == Large::Canvas { "size" } else { "the drawing" }.into(),
+            what,
+            found: format!("about {:.0} cells", plane.area() / (4.0 * self.reach * self.reach)),
+            limit: format!("{:.0}", MOST_GRID / (4.0 * FINE * FINE)),
+        })
+    }
+
     /// The outline of a cell that is made to fit within its ring of joints, without spikes and narrow dents.
     fn fitted(&self, ring: &[Point]) -> Vec<Point> {
         let dent = DENT * self.reach;
@@ -475,7 +499,7 @@ impl<'a> Quilt<'a> {
     fn place(&mut self, placed: PlacedShape) -> bool {
         let covered = self.covered(placed);
         let most = |area: usize| COVERED * area as f64;
-        let mut taken: std::collections::BTreeMap<u32, usize> = std::collections::BTreeMap::new();
+        let mut taken: BTreeMap<u32, usize> = BTreeMap::new();
         for &at in covered.iter().filter(|at| self.on[**at] > 0) {
             *taken.entry(self.on[at]).or_default() += 1;
         }
