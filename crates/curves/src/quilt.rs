@@ -63,7 +63,7 @@ const APART: f64 = 0.25;
 const FREE: f64 = 0.7;
 /// Halvings of the interval in which the rounding of corners lies.
 const BISECTIONS: usize = 8;
-/// Distance up to which ends of joints meet, in half widths of the middle cell, and width of the joints there.
+/// Distance up to which ends of joints meet, in half widths of the middle cell.
 const WELD: f64 = 0.02;
 
 /// A page of cells.

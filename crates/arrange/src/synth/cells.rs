@@ -166,7 +166,12 @@ mod tests {
             }
             left += 40;
         }
-        let mut library = testing::library(&map);
+        drawing(&map)
+    }
+
+    /// A drawing of the areas of a map, on a page that repeats.
+    fn drawing(map: &LabelMap) -> Library {
+        let mut library = testing::library(map);
         let count = library.primaries().len();
         library.elements.truncate(count);
         library.layers.retain(|l| l.role != Role::Secondary);
@@ -225,10 +230,7 @@ mod tests {
         {
             map.labels[(y * 160 + x) as usize] = 1 + x / 40 + 4 * (y / 40);
         }
-        let mut library = testing::library(&map);
-        library.layers.retain(|l| l.role != Role::Secondary);
-        library.source.kind = SourceKind::Drawing;
-        library.arrangement.periodic = true;
+        let library = rectangles(drawing(&map));
         let refused = run(&library, Method::Curves, &Controls::default());
         assert!(matches!(refused, Err(Error::Parameter { name: "method", .. })), "{refused:?}");
     }
