@@ -9,7 +9,7 @@
 use crate::trace::thinned;
 use std::collections::VecDeque;
 use vtex_base::error::Result;
-use vtex_base::geometry::{OUTSIDE, PlanarMap, Point, Rect, Vec2, inside};
+use vtex_base::geometry::{OUTSIDE, PlanarMap, Point, Rect, Vec2, inside, nearest_between};
 use vtex_base::parallel;
 use vtex_base::raster::{Connectivity, LabelMap, components, edge_neighbours};
 
@@ -73,11 +73,9 @@ impl CellShape {
         for ring in &self.rings {
             let mut last = ring[ring.len() - 1];
             for &here in ring {
-                let side = here - last;
-                let share = ((p - last).dot(side) / side.hypot2().max(1e-12)).clamp(0.0, 1.0);
-                let way = p - (last + side * share);
+                let way = p - nearest_between([last, here], p);
                 if way.hypot2() < best.0 {
-                    best = (way.hypot2(), way, side);
+                    best = (way.hypot2(), way, here - last);
                 }
                 last = here;
             }
@@ -283,11 +281,15 @@ impl Placing<'_> {
         task.half_gap.is_none() || off <= (1.0 - DRAWN_SHARE) * inner.len() as f64
     }
 
-    /// How little a place belongs to a shape, and the direction in which that grows: the distance from the middle of
-    /// joints, or from what is contested where the place lies within.
+    /// How little a place belongs to a shape, and the direction in which that grows.
     fn cost(&self, placed: u32, p: Point) -> (f64, Vec2) {
+        self.cost_at(placed, p, self.task.distance(placed, p))
+    }
+
+    /// The cost of a place at a distance from a shape that grows in a direction: the distance from the middle of joints, or
+    /// from what is contested where the place lies within.
+    fn cost_at(&self, placed: u32, p: Point, (far, grows): (f64, Vec2)) -> (f64, Vec2) {
         let task = self.task;
-        let (far, grows) = task.distance(placed, p);
         if far > task.half_gap() {
             let PlacedShape { shape, by } = task.placed[placed as usize];
             let wide = task.shapes[shape as usize].width(Vec2::new(-grows.y, grows.x), p - by) / task.reach;
@@ -299,10 +301,8 @@ impl Placing<'_> {
             return (far - task.half_gap(), grows);
         }
         let mut best = (f64::INFINITY, Vec2::ZERO);
-        for [from, to] in contested {
-            let side = *to - *from;
-            let share = ((p - *from).dot(side) / side.hypot2().max(1e-12)).clamp(0.0, 1.0);
-            let way = p - (*from + side * share);
+        for side in contested {
+            let way = p - nearest_between(*side, p);
             if way.hypot2() < best.0 {
                 best = (way.hypot2(), way);
             }
@@ -329,8 +329,12 @@ impl Placing<'_> {
                     |x: f64| ((x - task.window.x0) / task.step).clamp(0.0, f64::from(width)) as usize;
                 for (x, best) in best.iter_mut().enumerate().take(column(bounds.x1)).skip(column(bounds.x0)) {
                     let p = Point::new(task.window.x0 + (x as f64 + 0.5) * task.step, y);
-                    let cost = self.cost(k as u32, p).0;
-                    if cost < best.0 && task.distance(k as u32, p).0 <= task.reach {
+                    let distance = task.distance(k as u32, p);
+                    if distance.0 > task.reach {
+                        continue;
+                    }
+                    let cost = self.cost_at(k as u32, p, distance).0;
+                    if cost < best.0 {
                         *best = (cost, k as u32 + 1);
                     }
                 }

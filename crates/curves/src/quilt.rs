@@ -474,11 +474,16 @@ impl<'a> Quilt<'a> {
         }
     }
 
+    /// Width and height of a place of the grid.
+    fn side(&self) -> [f64; 2] {
+        [0, 1].map(|k| self.plane.size[k] / self.size[k] as f64)
+    }
+
     /// The places of the grid that a cell covers.
     fn covered(&self, placed: PlacedShape) -> Vec<usize> {
         let cell = &self.exemplar.cells[placed.shape as usize];
         let bounds = cell.bounds() + placed.by;
-        let side = [0, 1].map(|k| self.plane.size[k] / self.size[k] as f64);
+        let side = self.side();
         let along = |k: usize, low: f64, high: f64| {
             libm::floor(low / side[k]) as i64..libm::ceil(high / side[k]) as i64
         };
@@ -562,7 +567,7 @@ impl<'a> Quilt<'a> {
     /// Puts cells of about their size into gaps between the others.
     fn fill_holes(&mut self, seed: u64, go_on: &dyn Fn() -> Result<()>) -> Result<()> {
         let [width, height] = self.size;
-        let side = [0, 1].map(|k| self.plane.size[k] / self.size[k] as f64);
+        let side = self.side();
         let unit = libm::sqrt(side[0] * side[1]);
         let least = HOLE * self.scale.reach + 0.5 * self.scale.gap;
         let rim = (libm::ceil(2.0 * self.scale.reach / unit) as usize).min(width.min(height));

@@ -3,7 +3,7 @@
 use crate::context::GivenLines;
 use crate::graph::{CurveGraph, EdgeChain};
 use vtex_base::geometry::plane::{PeriodicPlane, along, length};
-use vtex_base::geometry::{BezPath, PathEl, Point, Vec2, fitted_curve, signed_area};
+use vtex_base::geometry::{BezPath, PathEl, Point, Vec2, fitted_curve, nearest_between, signed_area};
 use vtex_base::parallel;
 
 /// Shortest step of a course, as a share of its length.
@@ -259,11 +259,8 @@ pub(crate) fn thinned_ring(ring: &[Point], tolerance: f64) -> Vec<Point> {
 
 /// A course with fewer points, which the others are at most `tolerance` away from.
 pub(crate) fn thinned(course: &[Point], tolerance: f64) -> Vec<Point> {
-    let is_near = |from: Point, to: Point, p: Point| {
-        let way = to - from;
-        let t = ((p - from).dot(way) / way.hypot2().max(1e-12)).clamp(0.0, 1.0);
-        (from + t * way).distance_squared(p) <= tolerance * tolerance
-    };
+    let is_near =
+        |from, to, p: Point| nearest_between([from, to], p).distance_squared(p) <= tolerance * tolerance;
     let mut kept = vec![course[0]];
     let mut from = 0;
     for to in 2..course.len() {

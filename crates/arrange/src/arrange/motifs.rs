@@ -1,7 +1,7 @@
 //! Drawings whose motifs are placed as single elements, and taken apart afterwards.
 
 use std::collections::BTreeMap;
-use vtex_base::geometry::{Affine, BezPath, Outline, Point, Vec2, rigid_map};
+use vtex_base::geometry::{Affine, Outline, Point, Vec2, rigid_map, ring_path};
 use vtex_base::raster::LabelMap;
 use vtex_scene::element::{Shape, SimilarTo, bounds};
 use vtex_scene::library::{
@@ -198,11 +198,7 @@ fn convex_hull(mut points: Vec<Point>) -> Option<Outline> {
     };
     let mut ring = half(&mut points.iter().copied());
     ring.extend(half(&mut points.iter().rev().copied()));
-    let mut path = BezPath::new();
-    path.move_to(*ring.first()?);
-    ring[1..].iter().for_each(|p| path.line_to(*p));
-    path.close_path();
-    Outline::new(&path).filter(|outline| outline.area() > 0.0)
+    Outline::new(&ring_path(&ring)).filter(|outline| outline.area() > 0.0)
 }
 
 /// A translation by whole periods of a drawing.

@@ -194,13 +194,13 @@ impl CellMap {
         details.into_iter().for_each(|p| self.parts[p as usize].kind = PartKind::Detail);
     }
 
-    fn cells(&self) -> impl Iterator<Item = (usize, &PagePart)> {
-        self.parts.iter().enumerate().filter(|p| matches!(p.1.kind, PartKind::Cell(_)))
+    fn cells(&self) -> impl Iterator<Item = &PagePart> {
+        self.parts.iter().filter(|p| matches!(p.kind, PartKind::Cell(_)))
     }
 
     /// Half the width of the cell in the middle of all area, 0 without cells.
     fn middle_reach(&self) -> f64 {
-        let mut all: Vec<(f64, usize)> = self.cells().map(|(_, p)| (p.reach, p.area)).collect();
+        let mut all: Vec<(f64, usize)> = self.cells().map(|p| (p.reach, p.area)).collect();
         all.sort_by(|a, b| a.0.total_cmp(&b.0));
         let total: usize = all.iter().map(|a| a.1).sum();
         let mut below = 0;
@@ -214,7 +214,7 @@ impl CellMap {
     /// Half the width of the cell in the middle, in cells of the grid, if the page is filled with cells and the ground
     /// between them is thin.
     fn middle_cell(&self) -> Option<f64> {
-        let covered: usize = self.cells().map(|(_, p)| p.area).sum();
+        let covered: usize = self.cells().map(|p| p.area).sum();
         let middle = self.middle_reach();
         let is_thin = |p: &PagePart| match p.kind {
             PartKind::Ground => p.reach <= THIN * middle,
@@ -232,7 +232,7 @@ impl CellMap {
         let page = self.raster.page();
         let (mut cells, mut is_whole, mut sources) = (Vec::new(), Vec::new(), Vec::new());
         let (mut hidden, mut all) = (0.0, 0.0);
-        for (_, part) in self.cells() {
+        for part in self.cells() {
             let PartKind::Cell(k) = part.kind else { continue };
             let shape = &shapes[k as usize];
             let polygons = shape.outline.polygons(FLAT * reach * unit);

@@ -6,7 +6,7 @@ use super::line_drawing::is_line;
 use super::report::{CategoryReport, SynthReport};
 use crate::arrange::controls::Controls;
 use vtex_base::error::Result;
-use vtex_base::geometry::{Affine, BezPath, Curve, Outline, PathEl, Point, Rect, rounded};
+use vtex_base::geometry::{Affine, BezPath, Curve, Outline, PathEl, Point, Rect, ring_path, rounded};
 use vtex_base::progress::{Progress, advance};
 use vtex_curves::{CellParams, QuiltedCell, quilted_cells};
 use vtex_scene::element::{ElementId, Line, Shape};
@@ -89,7 +89,10 @@ impl FittedCell {
         }
         let path = match &cell.path {
             Some(path) => path.clone(),
-            None => cell.map * of_rings(&drawing.exemplar.cells[cell.cell as usize].rings),
+            None => {
+                let rings = &drawing.exemplar.cells[cell.cell as usize].rings;
+                cell.map * rings.iter().flat_map(|ring| ring_path(ring)).collect::<BezPath>()
+            }
         };
         let first = path.elements().first().and_then(PathEl::end_point)?;
         let at = Point::new(libm::round(first.x), libm::round(first.y));
@@ -131,24 +134,15 @@ fn is_along(line: &Line, outline: Rect) -> bool {
     bounds.width() >= ALONG * outline.width() && bounds.height() >= ALONG * outline.height()
 }
 
-/// A path along rings.
-fn of_rings(rings: &[Vec<Point>]) -> BezPath {
-    let mut path = BezPath::new();
-    for ring in rings {
-        ring.iter().enumerate().for_each(|(k, p)| if k == 0 { path.move_to(*p) } else { path.line_to(*p) });
-        path.close_path();
-    }
-    path
-}
-
 #[cfg(test)]
 mod tests {
+    use crate::synth::testing::drawing_of;
     use crate::synth::{Controls, SynthReport, synthesize_with};
     use vtex_base::error::Error;
     use vtex_base::geometry::Outline;
     use vtex_base::raster::{ControlMap, LabelMap};
     use vtex_scene::element::Shape;
-    use vtex_scene::library::{Library, Role, SourceKind, testing};
+    use vtex_scene::library::Library;
     use vtex_scene::scene::{Method, Scene, SynthParams, Tile};
 
     /// Slabs with joints of four pixels on a page that repeats: four columns, each divided elsewhere.
@@ -166,18 +160,7 @@ mod tests {
             }
             left += 40;
         }
-        drawing(&map)
-    }
-
-    /// A drawing of the areas of a map, on a page that repeats.
-    fn drawing(map: &LabelMap) -> Library {
-        let mut library = testing::library(map);
-        let count = library.primaries().len();
-        library.elements.truncate(count);
-        library.layers.retain(|l| l.role != Role::Secondary);
-        library.source.kind = SourceKind::Drawing;
-        library.arrangement.periodic = true;
-        library
+        drawing_of(&map)
     }
 
     /// Outlines of generated libraries go round each row of pixels: these are rectangles.
@@ -230,7 +213,7 @@ mod tests {
         {
             map.labels[(y * 160 + x) as usize] = 1 + x / 40 + 4 * (y / 40);
         }
-        let library = rectangles(drawing(&map));
+        let library = rectangles(drawing_of(&map));
         let refused = run(&library, Method::Curves, &Controls::default());
         assert!(matches!(refused, Err(Error::Parameter { name: "method", .. })), "{refused:?}");
     }

@@ -232,10 +232,11 @@ fn colour(colour: Colour) -> [f64; 3] {
 
 #[cfg(test)]
 mod tests {
+    use crate::synth::testing::drawing_of;
     use crate::synth::{Controls, synthesize_with};
     use vtex_base::error::{Error, Result};
     use vtex_base::raster::LabelMap;
-    use vtex_scene::library::{Library, Role, SourceKind, testing};
+    use vtex_scene::library::{Library, testing};
     use vtex_scene::scene::{Ablation, Method, Scene, SynthParams, Tile};
 
     /// A drawing of rectangles of three sizes, no two rows alike.
@@ -248,13 +249,7 @@ mod tests {
                 map.labels[(y * 160 + x) as usize] = k + 1;
             }
         }
-        let mut library = testing::library(&map);
-        let count = library.primaries().len();
-        library.elements.truncate(count);
-        library.layers.retain(|l| l.role != Role::Secondary);
-        library.source.kind = SourceKind::Drawing;
-        library.arrangement.periodic = true;
-        library
+        drawing_of(&map)
     }
 
     fn run(library: &Library, tile: bool, ablate: Vec<Ablation>) -> Result<Scene> {

@@ -243,13 +243,14 @@ fn report(found: &CurveResult, has_context: bool) -> CurveReport {
 
 #[cfg(test)]
 mod tests {
+    use crate::synth::testing::drawing_of;
     use crate::synth::{Controls, SynthReport, synthesize_with};
     use kurbo::Shape as _;
     use vtex_base::error::{Error, Result};
     use vtex_base::geometry::Outline;
     use vtex_base::raster::{ControlMap, LabelMap};
     use vtex_scene::element::Shape;
-    use vtex_scene::library::{Library, Role, SourceKind, testing};
+    use vtex_scene::library::{Library, SourceKind, testing};
     use vtex_scene::scene::{Ablation, Method, Scene, SynthParams, Tile};
 
     /// Four bands that wave across a page that repeats, filled outlines of four pixels.
@@ -262,18 +263,7 @@ mod tests {
                 (y..y + 4).for_each(|y| map.labels[(y * 160 + x) as usize] = k + 1);
             }
         }
-        of_map(&map)
-    }
-
-    /// A drawing of the areas of a map, on a page that repeats.
-    fn of_map(map: &LabelMap) -> Library {
-        let mut library = testing::library(map);
-        let count = library.primaries().len();
-        library.elements.truncate(count);
-        library.layers.retain(|l| l.role != Role::Secondary);
-        library.source.kind = SourceKind::Drawing;
-        library.arrangement.periodic = true;
-        library
+        drawing_of(&map)
     }
 
     fn run(library: &Library, tile: bool, ablate: Vec<Ablation>) -> Result<(Scene, SynthReport)> {
@@ -319,7 +309,7 @@ mod tests {
                 map.labels[((y + dy) * 160 + x + dx) as usize] = 5 + 4 * k + j;
             }
         }
-        let mut library = of_map(&map);
+        let mut library = drawing_of(&map);
         // Outlines of generated libraries go round each row of pixels.
         for element in &mut library.elements[4..] {
             let square = element.shapes[0].outline.bounds().to_path(0.1);

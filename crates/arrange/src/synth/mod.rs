@@ -36,6 +36,8 @@ pub(crate) mod secondaries;
 mod single_drawing;
 mod strata;
 mod taken_apart;
+#[cfg(all(test, any(feature = "clustered", feature = "curves")))]
+mod testing;
 #[cfg(test)]
 mod tests;
 mod units;

@@ -10,7 +10,7 @@ pub(super) struct PageRaster {
     /// Columns and rows.
     pub(super) size: [usize; 2],
     /// Cells to the unit of the page, along x and y.
-    pub(super) by: [f64; 2],
+    by: [f64; 2],
 }
 
 impl PageRaster {

@@ -40,7 +40,7 @@ pub use outline::{Outline, STEP};
 pub use outside::CurvePart;
 pub use path_text::{PathText, parse_path, write_path};
 pub use periodic::{NearPoints, shortest_offset, wrapped};
-pub use polygon::{edges, inside, nearest};
+pub use polygon::{edges, inside, nearest, nearest_between, ring_path};
 pub use rigid::rigid_map;
 pub use second_moments::SecondMoments;
 pub use simple::is_simple;

@@ -1,6 +1,6 @@
 //! Rings moved inwards or outwards by a distance.
 
-use super::inside;
+use super::{inside, nearest_between};
 use kurbo::{Point, Vec2};
 
 /// Most parts in which a step of a ring is moved, each at least a distance long.
@@ -47,7 +47,7 @@ pub fn moved_inwards(ring: &[Point], by: f64) -> Vec<Point> {
         }
     }
     let least = far * (1.0 - NEAR);
-    let is_far = |p: Point| steps.iter().all(|s| distance_squared(*s, p) >= least * least);
+    let is_far = |p: Point| steps.iter().all(|s| nearest_between(*s, p).distance_squared(p) >= least * least);
     let is_free = |p: Point| inside(ring, p) == (by > 0.0) && is_far(p);
     let free: Vec<bool> = all.iter().map(|c| is_free(c.at)).collect();
     let count = all.len();
@@ -136,12 +136,6 @@ fn direction(from: Point, to: Point) -> Vec2 {
 /// A direction turned from x to y by a right angle.
 fn left(way: Vec2) -> Vec2 {
     Vec2::new(-way.y, way.x)
-}
-
-fn distance_squared([from, to]: [Point; 2], p: Point) -> f64 {
-    let way = to - from;
-    let t = ((p - from).dot(way) / way.hypot2()).clamp(0.0, 1.0);
-    (from + t * way).distance_squared(p)
 }
 
 #[cfg(test)]

@@ -74,14 +74,30 @@ pub fn inside(ring: &[Point], p: Point) -> bool {
     within
 }
 
+/// A closed path along a ring.
+pub fn ring_path(ring: &[Point]) -> BezPath {
+    let mut path = BezPath::new();
+    if let [first, others @ ..] = ring {
+        path.move_to(*first);
+        others.iter().for_each(|p| path.line_to(*p));
+        path.close_path();
+    }
+    path
+}
+
+/// The point of a line between two points that is nearest to another.
+pub fn nearest_between([from, to]: [Point; 2], p: Point) -> Point {
+    let side = to - from;
+    let share = ((p - from).dot(side) / side.hypot2().max(1e-12)).clamp(0.0, 1.0);
+    from + side * share
+}
+
 /// The nearest point of a ring.
 pub fn nearest(ring: &[Point], p: Point) -> Point {
     let mut best = (f64::INFINITY, p);
     let mut last = ring[ring.len() - 1];
     for &here in ring {
-        let side = here - last;
-        let share = ((p - last).dot(side) / side.hypot2().max(1e-12)).clamp(0.0, 1.0);
-        let q = last + side * share;
+        let q = nearest_between([last, here], p);
         let far = (p - q).hypot2();
         if far < best.0 {
             best = (far, q);

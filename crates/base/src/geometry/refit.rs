@@ -7,7 +7,7 @@
 //! border may deviate by the tolerance in opposite directions.
 
 use super::fit::{CurveSegment, fit_closed, fit_open};
-use super::{Outline, PathText, is_simple, write_path};
+use super::{Outline, PathText, is_simple, nearest_between, write_path};
 use kurbo::{BezPath, ParamCurve, ParamCurveDeriv, PathEl, PathSeg, Point, Vec2};
 
 /// Distance between samples, in pixels.
@@ -199,9 +199,7 @@ fn chords(segment: &PathSeg) -> f64 {
 }
 
 fn distance_to_chord(p: Point, a: Point, b: Point) -> f64 {
-    let chord = b - a;
-    let t = ((p - a).dot(chord) / chord.hypot2().max(1e-12)).clamp(0.0, 1.0);
-    libm::sqrt((p - (a + chord * t)).hypot2())
+    libm::sqrt((p - nearest_between([a, b], p)).hypot2())
 }
 
 #[cfg(test)]

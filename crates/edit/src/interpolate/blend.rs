@@ -2,7 +2,7 @@
 //! ring that would cross itself on the way is rounded there.
 
 use super::ring::{Ring, alignment, count, disc, even, moments, sine_cosine, turned};
-use vtex_base::geometry::{BezPath, Cage, Point, is_simple};
+use vtex_base::geometry::{Cage, is_simple, ring_path};
 
 /// Number of points of the cages that carry details and holes.
 const CAGE: usize = 32;
@@ -87,11 +87,7 @@ fn simple(ring: &Ring) -> bool {
     if (0..n).all(|i| (ring[i] - centre).cross(ring[(i + 1) % n] - centre) > 0.0) {
         return true;
     }
-    let mut path = BezPath::new();
-    path.move_to(ring[0]);
-    ring[1..].iter().for_each(|p: &Point| path.line_to(*p));
-    path.close_path();
-    is_simple(&path)
+    is_simple(&ring_path(ring))
 }
 
 #[cfg(test)]
@@ -99,6 +95,7 @@ mod tests {
     use super::*;
     use crate::interpolate::ring::length;
     use std::f64::consts::TAU;
+    use vtex_base::geometry::Point;
 
     fn star(arms: f64, depth: f64, stretch: f64) -> Ring {
         let ring: Ring = (0..90)
