@@ -21,6 +21,8 @@ const SIMILAR: usize = 4;
 const SECTORS: usize = 8;
 /// Most samples that are compared by their surroundings.
 const MOST_COMPARED: usize = 3000;
+/// Most edges at samples of which all matches are tried.
+const MOST_TRIED: usize = 4;
 
 /// Lengths of a level.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -171,21 +173,33 @@ impl CurveInput {
 /// Difference of the edges of two samples: the ways along edges that are matched, and `delta` for each edge too many
 /// (equation 2.5).
 pub(crate) fn edge_difference(a: &[[f64; 2]], b: &[[f64; 2]], delta: f64) -> f64 {
-    let apart = |a: [f64; 2], b: [f64; 2]| length([a[0] - b[0], a[1] - b[1]]);
     let (few, many) = if a.len() <= b.len() { (a, b) } else { (b, a) };
     let surplus = delta * (many.len() - few.len()) as f64;
     surplus
-        + match (few, many) {
-            ([], _) => 0.0,
-            ([p], many) => many.iter().map(|q| apart(*p, *q)).fold(f64::INFINITY, f64::min),
-            ([p, q], [r, s]) => (apart(*p, *r) + apart(*q, *s)).min(apart(*p, *s) + apart(*q, *r)),
+        + match few.len() {
+            0 => 0.0,
+            1..=MOST_TRIED if many.len() <= MOST_TRIED => least_matched(few, many, 0),
             _ => {
                 let mut dense = DenseAssignment::default();
                 dense.begin(many.len(), 1e9 * delta.max(1e-9));
                 for p in few {
-                    dense.row(many.iter().map(|q| apart(*p, *q)));
+                    dense.row(many.iter().map(|q| way_difference(*p, *q)));
                 }
                 dense.solve()
             }
         }
+}
+
+/// The least sum of differences of all `few` from one each of `many` whose bit in `taken` is not set.
+fn least_matched(few: &[[f64; 2]], many: &[[f64; 2]], taken: u32) -> f64 {
+    let Some((first, rest)) = few.split_first() else {
+        return 0.0;
+    };
+    let free = (0..many.len()).filter(|c| taken >> c & 1 == 0);
+    let with = |c: usize| way_difference(*first, many[c]) + least_matched(rest, many, taken | 1 << c);
+    free.map(with).fold(f64::INFINITY, f64::min)
+}
+
+fn way_difference(a: [f64; 2], b: [f64; 2]) -> f64 {
+    length([a[0] - b[0], a[1] - b[1]])
 }
