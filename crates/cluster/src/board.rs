@@ -1,6 +1,7 @@
 //! Elements on the canvas, one by one: which are near, and which clash.
 
 use crate::relations::PlaceRelations;
+use crate::standing::StandingElement;
 use vtex_base::geometry::plane::{PeriodicPlane, length};
 
 /// An element on the canvas: one of the exemplar's places, moved.
@@ -32,12 +33,42 @@ impl<'a> Board<'a> {
         let cells = plane.size.map(|v| (v / relations.spacing.max(1e-6)).clamp(1.0, MOST_CELLS) as usize);
         let largest = relations.reach.iter().copied().fold(0.0, f64::max);
         let lists = vec![Vec::new(); cells[0] * cells[1]];
-        Self { plane, relations, elements: Vec::new(), cells, lists, largest, area: 0.0 }
+        let mut made = Self { plane, relations, elements: Vec::new(), cells, lists, largest, area: 0.0 };
+        let first = relations.exemplar.places.len() as u32;
+        for (e, place) in relations.standing_elements().iter().zip(first..) {
+            made.add(BoardElement { place, at: e.at });
+        }
+        made
     }
 
-    /// The figure of a place of the exemplar.
+    /// Number of the elements that stand, which are the first.
+    pub(crate) fn given(&self) -> usize {
+        self.relations.standing_elements().len()
+    }
+
+    /// For each element that stands the place of the exemplar with its figure, or the one like it, whose neighbours are
+    /// the most like its own.
+    pub(crate) fn like_places(&self) -> Vec<u32> {
+        let (standing, places) = (self.relations.standing_elements(), &self.relations.exemplar.places);
+        let all: Vec<usize> = (0..standing.len()).collect();
+        vtex_base::parallel::map(&all, |&id| {
+            let StandingElement { figure, like, at } = standing[id];
+            let of = |figure: u32| (0..places.len()).filter(move |k| places[*k].figure == figure);
+            let known = if of(figure).next().is_some() { figure } else { like };
+            let fit = |k: usize| (k as u32, self.support(BoardElement { place: k as u32, at }, Some(id)));
+            let best = of(known).map(fit).max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)));
+            best.map_or(0, |b| b.0)
+        })
+    }
+
+    /// The figure of a place.
     pub(crate) fn figure(&self, place: u32) -> u32 {
-        self.relations.exemplar.places[place as usize].figure
+        self.relations.figure(place)
+    }
+
+    /// Whether an element may be made at a place.
+    pub(crate) fn is_open(&self, at: [f64; 2]) -> bool {
+        self.relations.standing.as_ref().is_none_or(|s| s.is_open(at))
     }
 
     fn cell(&self, p: [f64; 2]) -> usize {
@@ -129,10 +160,13 @@ impl<'a> Board<'a> {
         clash.filter(|c| c.1 > 0.0).collect()
     }
 
-    /// Whether an element would clash with no other.
+    /// Whether an element may be made where it is, and would clash with no other.
     pub(crate) fn is_free(&self, element: BoardElement) -> bool {
         let figure = self.figure(element.place);
-        self.within_reach(element).all(|(_, other, way)| self.relations.clash(figure, other, way) == 0.0)
+        self.is_open(element.at)
+            && self
+                .within_reach(element)
+                .all(|(_, other, way)| self.relations.clash(figure, other, way) == 0.0)
     }
 
     /// How much nearer an element of the same class is than in the exemplar, 0 to 1.

@@ -135,6 +135,11 @@ impl Clustering<'_> {
         link + SHAPE_WEIGHT * self.shape.iter().sum::<f64>()
     }
 
+    /// Whether a cluster is an element that stands, and stays as it is.
+    fn is_given(&self, cluster: u32) -> bool {
+        (cluster as usize) < self.output.given[1]
+    }
+
     /// Link energy of the pairs listed for a sample, if it belongs to `cluster`.
     fn links(&self, s: usize, cluster: u32) -> f64 {
         let near = &self.votes.near;
@@ -155,10 +160,13 @@ impl Clustering<'_> {
     /// The adjacent cluster that a sample gains most by changing to, and the gain in steps, if that is positive.
     fn best_switch(&self, s: usize) -> Option<(i64, u32)> {
         let own = self.output.cluster[s];
+        if self.is_given(own) {
+            return None;
+        }
         let mut others: Vec<u32> = self
             .beside(s)
             .map(|k| self.output.cluster[self.votes.near.ids[k] as usize])
-            .filter(|c| *c != own)
+            .filter(|c| *c != own && !self.is_given(*c))
             .collect();
         others.sort_unstable();
         others.dedup();
@@ -282,7 +290,8 @@ impl Clustering<'_> {
         let of = |s: &u32| {
             self.beside(*s as usize).map(|k| self.output.cluster[near.ids[k] as usize]).collect::<Vec<_>>()
         };
-        let mut all: Vec<u32> = self.members[a as usize].iter().flat_map(of).filter(|c| *c != a).collect();
+        let mut all: Vec<u32> =
+            self.members[a as usize].iter().flat_map(of).filter(|c| *c != a && !self.is_given(*c)).collect();
         all.sort_unstable();
         all.dedup();
         all
@@ -352,6 +361,9 @@ impl Clustering<'_> {
 
     /// Queues the operations of a cluster; merges with earlier clusters only if asked for by `later` being false.
     fn push(&mut self, a: u32, later: bool, queue: &mut BinaryHeap<(i64, Reverse<Operation>, [u32; 2])>) {
+        if self.is_given(a) {
+            return;
+        }
         let own = self.version[a as usize];
         if !self.parts.no_merge {
             for b in self.neighbours(a).into_iter().filter(|b| !later || *b > a) {

@@ -3,6 +3,7 @@
 
 use crate::input::InputSamples;
 use crate::output::OutputSamples;
+use crate::standing::StandingElements;
 use vtex_base::geometry::coherence::{MissedGroup, MissedPoint, NeighbourhoodMatches, StandingPoints};
 use vtex_base::geometry::dense::NONE;
 use vtex_base::geometry::plane::length;
@@ -11,29 +12,35 @@ use vtex_base::parallel;
 /// A sample that one neighbourhood misses, and the cluster that it would put it in, or [`NONE`].
 type MissedSample = (MissedPoint, u32);
 
-/// Adds the samples that most neighbourhoods miss, and returns how many.
+/// Adds the samples that most neighbourhoods miss, and returns how many. None is added to an element that stands, or where
+/// nothing is made beside `standing` ones.
 pub(crate) fn add_missing(
     output: &mut OutputSamples,
     input: &InputSamples,
     matches: &NeighbourhoodMatches,
+    standing: Option<&StandingElements>,
 ) -> usize {
     let distance = input.scale.distance;
     let rim = input.scale.radius - 0.5 * distance;
     let all: Vec<usize> = (0..matches.near.len()).collect();
     let found = parallel::map(&all, |&s| of_neighbourhood(output, input, matches, (s, rim)));
     let (missed, clusters): (Vec<MissedPoint>, Vec<u32>) = found.into_iter().flatten().unzip();
-    let standing = StandingPoints {
+    let present = StandingPoints {
         plane: output.plane,
         points: &output.points,
         alike: |a: u32, b: u32| input.colour_cost(a, b) == 0.0,
         is_of_kind: |s: usize, source: u32| input.colour_cost(output.copied[s], source) == 0.0,
     };
-    let added = standing.missed(&missed, distance, rim);
+    let groups = present.missed(&missed, distance, rim);
     // Samples of no cluster that belong to one element of the exemplar, moved alike, make a new one.
     let mut new: Vec<(u32, [f64; 2], u32)> = Vec::new();
-    for MissedGroup { at, source, members } in &added {
+    let before = output.len();
+    for MissedGroup { at, source, members } in &groups {
         let at = output.plane.wrapped(*at);
         let known = commonest(members.iter().map(|&m| clusters[m]).filter(|c| *c != NONE));
+        if known.is_some_and(|c| (c as usize) < output.given[1]) || standing.is_some_and(|s| !s.is_free(at)) {
+            continue;
+        }
         let mut cluster = known.unwrap_or(NONE);
         if cluster == NONE {
             let place = input.place[*source as usize];
@@ -52,7 +59,7 @@ pub(crate) fn add_missing(
         output.copied.push(*source);
         output.cluster.push(cluster);
     }
-    added.len()
+    output.len() - before
 }
 
 /// The samples that one neighbourhood misses.

@@ -88,9 +88,10 @@ pub(crate) fn blocks<'a>(
             let block = CanvasBlock { low: [i as f64 * size[0], j as f64 * size[1]], size };
             let mut random = stream(seed, "cluster/blocks", offsets.len() as u64);
             let beside = [(i > 0).then(|| offsets.len() - 1), (j > 0).then(|| offsets.len() - count[0])];
-            let going_on: Vec<[f64; 2]> = beside.into_iter().flatten().map(|k| offsets[k]).collect();
+            let mut going_on: Vec<[f64; 2]> = beside.into_iter().flatten().map(|k| offsets[k]).collect();
+            going_on.extend(from_standing(&board, block));
             let offset = choose(&board, block, &going_on, (variation, &mut random), go_on)?;
-            for element in contents(relations, block, offset) {
+            for element in open_contents(&board, block, offset) {
                 board.add(element);
             }
             offsets.push(offset);
@@ -138,6 +139,33 @@ pub(crate) fn is_regular(relations: &PlaceRelations<'_>, period: PeriodicPlane) 
         let some: Vec<usize> = (0..places.len()).step_by(places.len().div_ceil(LOOKED_AT)).collect();
         some.iter().map(|k| misfit(*k)).sum::<f64>() <= REGULAR * some.len() as f64
     })
+}
+
+/// The part of the exemplar that a context asks for, where elements may be made.
+pub(crate) fn copy<'a>(relations: &'a PlaceRelations<'a>, plane: PeriodicPlane, by: [f64; 2]) -> Board<'a> {
+    let mut board = Board::new(plane, relations);
+    let page = relations.exemplar.page;
+    for (place, p) in relations.exemplar.places.iter().enumerate().filter(|p| p.1.placeable) {
+        // All copies on the window of a page that repeats.
+        let first =
+            [0, 1].map(|k| if page.wraps[k] { libm::ceil((by[k] - p.at[k]) / page.size[k]) } else { 0.0 });
+        let steps =
+            [0, 1].map(|k| if page.wraps[k] { libm::ceil(plane.size[k] / page.size[k]) as usize } else { 1 });
+        for (i, j) in (0..steps[1]).flat_map(|j| (0..steps[0]).map(move |i| (i, j))) {
+            let at = [0, 1].map(|k| p.at[k] - by[k] + (first[k] + [i, j][k] as f64) * page.size[k]);
+            if board.is_open(at) {
+                board.add(BoardElement { place: place as u32, at });
+            }
+        }
+    }
+    board
+}
+
+/// The elements of a block that may be made.
+fn open_contents(board: &Board<'_>, block: CanvasBlock, offset: [f64; 2]) -> Vec<BoardElement> {
+    let mut found = contents(board.relations, block, offset);
+    found.retain(|e| board.is_open(e.at));
+    found
 }
 
 /// The elements of a block whose canvas is the exemplar moved by `offset`.
@@ -191,10 +219,9 @@ fn choose(
     {
         return Ok(offset);
     }
-    let same = |a: [f64; 2], b: [f64; 2]| length(page.between(page.wrapped(a), page.wrapped(b))) < 2.0;
     let mut others: Vec<[f64; 2]> = aligned(board, block, random);
     others.extend((0..RANDOM).map(|_| anywhere(random)));
-    others.retain(|o| fits(*o) && !going_on.iter().any(|g| same(*g, *o)));
+    others.retain(|o| fits(*o) && !going_on.iter().any(|g| is_same(page, *g, *o)));
     let mut costs = Vec::with_capacity(others.len());
     for some in others.chunks(AT_ONCE) {
         costs.extend(vtex_base::parallel::map(some, |o| cost(board, block, &open, *o)));
@@ -211,7 +238,7 @@ fn choose(
     // Of about equally good ones that which keeps the shares of the categories best.
     let mut good: Vec<[f64; 2]> = ranked.iter().take_while(|r| r.0 <= best + DRAWN).map(|r| r.1).collect();
     random.shuffle(&mut good);
-    let balance = |offset: &[f64; 2]| imbalance(board, &contents(board.relations, block, *offset));
+    let balance = |offset: &[f64; 2]| imbalance(board, &open_contents(board, block, *offset));
     let balanced = good.iter().take(COMPARED).map(|o| (balance(o), *o)).min_by(|a, b| a.0.total_cmp(&b.0));
     Ok(balanced.map_or_else(|| anywhere(random), |found| found.1))
 }
@@ -227,6 +254,26 @@ fn imbalance(board: &Board<'_>, more: &[BoardElement]) -> f64 {
     }
     let wanted = &board.relations.class_shares;
     counts.iter().zip(wanted).map(|(n, share)| (n / f64::max(total, 1.0) - share).abs()).sum()
+}
+
+/// Offsets with which the exemplar goes on from elements that stand beside a block.
+fn from_standing(board: &Board<'_>, block: CanvasBlock) -> Vec<[f64; 2]> {
+    let (exemplar, page, middle) = (board.relations.exemplar, board.relations.exemplar.page, block.middle());
+    let radius = 0.5 * length(block.size) + board.relations.spacing;
+    let mut offsets: Vec<[f64; 2]> = Vec::new();
+    for (_, element, way) in board.near(middle, radius).into_iter().filter(|n| n.0 < board.given()) {
+        let place = exemplar.places[board.relations.like(element.place) as usize];
+        let offset = [0, 1].map(|k| middle[k] + way[k] - place.at[k]);
+        if !offsets.iter().any(|o| is_same(page, *o, offset)) {
+            offsets.push(offset);
+        }
+    }
+    offsets
+}
+
+/// Whether two offsets are the same on a page.
+fn is_same(page: PeriodicPlane, a: [f64; 2], b: [f64; 2]) -> bool {
+    length(page.between(page.wrapped(a), page.wrapped(b))) < 2.0
 }
 
 /// Offsets that put an element of the exemplar on one of its shape beside the block, or on one of its category.
@@ -245,10 +292,9 @@ fn aligned(board: &Board<'_>, block: CanvasBlock, random: &mut Stream) -> Vec<[f
     for n in 0..ALIGNED.min(4 * near.len()) {
         let (_, element, way) = near[random.index(near.len())];
         let figure = board.figure(element.place);
-        let of = match n % 4 {
-            0..3 => &by_shape[&board.relations.shape[figure as usize]],
-            _ => &by_category[&exemplar.figures[figure as usize].category],
-        };
+        let by_shape = by_shape.get(&board.relations.shape[figure as usize]).filter(|_| n % 4 < 3);
+        // Elements that stand may have shapes of their own.
+        let of = by_shape.unwrap_or(&by_category[&exemplar.figures[figure as usize].category]);
         let place = exemplar.places[of[random.index(of.len())] as usize];
         // Near the block, so that the offset does not jump across a seam of the canvas.
         let at = [middle[0] + way[0], middle[1] + way[1]];
@@ -260,7 +306,7 @@ fn aligned(board: &Board<'_>, block: CanvasBlock, random: &mut Stream) -> Vec<[f
 /// How badly a block from a place of the exemplar suits the elements around it.
 fn cost(board: &Board<'_>, block: CanvasBlock, open: &OpenPoints, offset: [f64; 2]) -> f64 {
     let relations = board.relations;
-    let own = contents(relations, block, offset);
+    let own = open_contents(board, block, offset);
     let (mut clash, mut area, mut strange, mut pairs) = (0.0, 0.0, 0.0, 0u32);
     let mut twins = 0.0;
     let largest = relations.reach.iter().copied().fold(0.0, f64::max);

@@ -29,6 +29,7 @@ mod rebuild;
 mod relations;
 mod search;
 mod shape_energy;
+mod standing;
 #[cfg(test)]
 mod tests;
 mod votes;
@@ -36,5 +37,8 @@ mod votes;
 pub use clustering::{ClusterOperations, ClusteringParts};
 pub use figures::{ClusterExemplar, Figure, FigurePlace};
 pub use mend::MendCounts;
-pub use optimise::{ClusterParams, ClusterResult, ClusterSample, ClusteredElement, LevelReport, cluster};
+pub use optimise::{
+    ClusterParams, ClusterResult, ClusterSample, ClusteredElement, LevelReport, cluster, cluster_beside,
+};
+pub use standing::ClusterContext;
 pub use vtex_base::geometry::plane::PeriodicPlane;

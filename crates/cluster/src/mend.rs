@@ -64,7 +64,8 @@ fn part(board: &mut Board<'_>, counts: &mut MendCounts, go_on: &dyn Fn() -> Resu
     let mut open: BTreeSet<usize> = (0..board.elements.len()).collect();
     for _ in 0..ROUNDS {
         let mut next = BTreeSet::new();
-        for (n, id) in open.iter().copied().enumerate() {
+        let given = board.given();
+        for (n, id) in open.iter().copied().enumerate().filter(|n| n.1 >= given) {
             if usize::is_multiple_of(n, OPERATIONS) {
                 go_on()?;
             }
@@ -122,7 +123,7 @@ fn remove_clashing(
         (by > 0.0).then(|| ((by / size.max(1.0)).min(1e6) * (1.5 - fit) * 1e6) as u64 + 1)
     };
     let mut queue: BinaryHeap<(u64, Reverse<usize>)> = BinaryHeap::new();
-    for id in 0..board.elements.len() {
+    for id in board.given()..board.elements.len() {
         if usize::is_multiple_of(id, OPERATIONS) {
             go_on()?;
         }
@@ -146,11 +147,15 @@ fn remove_clashing(
     Ok(())
 }
 
-/// The area that all elements of the exemplar cover, for the canvas.
+/// The area that all elements of the exemplar cover, for the canvas; beside elements that stand, what they cover and what
+/// is to be covered.
 fn wanted(board: &Board<'_>) -> f64 {
     let relations = board.relations;
     let all: f64 = relations.exemplar.places.iter().map(|p| f64::from(relations.area(p.figure))).sum();
-    all * board.plane.area() / relations.exemplar.page.area()
+    let per_area = all / relations.exemplar.page.area();
+    let Some(standing) = &relations.standing else { return per_area * board.plane.area() };
+    let beside = standing.elements.iter().filter(|e| !standing.is_free(e.at));
+    per_area * standing.free_area + beside.map(|e| f64::from(relations.area(e.figure))).sum::<f64>()
 }
 
 /// Covered area as a share of the exemplar's.
@@ -250,7 +255,7 @@ fn thin(board: &mut Board<'_>, counts: &mut MendCounts, go_on: &dyn Fn() -> Resu
         return Ok(());
     }
     let mut order: Vec<(f64, usize)> = Vec::new();
-    for id in 0..board.elements.len() {
+    for id in board.given()..board.elements.len() {
         if usize::is_multiple_of(id, OPERATIONS) {
             go_on()?;
         }

@@ -5,7 +5,7 @@ use crate::clustering::{ClusterOperations, ClusteringParts, improve_clusters};
 use crate::depth::ordered;
 use crate::existence::add_missing;
 use crate::figures::ClusterExemplar;
-use crate::initial::{blocks, is_regular};
+use crate::initial::{blocks, copy, is_regular};
 use crate::input::{InputSamples, LevelScale};
 use crate::mend::{MendCounts, fullness, mend};
 use crate::output::OutputSamples;
@@ -13,6 +13,7 @@ use crate::positions::improve_positions;
 use crate::rebuild::{rebuilt, sampled};
 use crate::relations::PlaceRelations;
 use crate::search::search;
+use crate::standing::{ClusterContext, StandingElements, recognised};
 use crate::votes::PairVotes;
 use std::collections::BTreeMap;
 use vtex_base::error::{Error, Large, Result};
@@ -35,6 +36,8 @@ const PACKING: f64 = 1.3;
 const STRICT: f64 = 0.25;
 /// Covered area, as a share of the exemplar's, from which a first arrangement is taken.
 const FULL: f64 = 0.96;
+/// How far the window around a region reaches, in radii of the first level, beyond the largest element.
+const AROUND: f64 = 2.0;
 /// Iterations of a level at most, and the change of energy below which it ends earlier.
 const ITERATIONS: usize = 7;
 const SETTLED: f64 = 0.01;
@@ -126,11 +129,35 @@ pub fn cluster(
     params: &ClusterParams,
     go_on: &dyn Fn() -> Result<()>,
 ) -> Result<ClusterResult> {
+    arranged(exemplar, None, params, go_on)
+}
+
+/// Arranges elements like those of an exemplar in a region beside elements that stand. The result holds the new ones
+/// alone, those whose reference points lie in the region. `params.tile` must be false.
+///
+/// # Errors
+/// Those of [`cluster`].
+pub fn cluster_beside(
+    exemplar: &ClusterExemplar,
+    context: &ClusterContext,
+    params: &ClusterParams,
+    go_on: &dyn Fn() -> Result<()>,
+) -> Result<ClusterResult> {
+    arranged(exemplar, Some(context), params, go_on)
+}
+
+fn arranged(
+    exemplar: &ClusterExemplar,
+    context: Option<&ClusterContext>,
+    params: &ClusterParams,
+    go_on: &dyn Fn() -> Result<()>,
+) -> Result<ClusterResult> {
     if !exemplar.places.iter().any(|p| p.placeable) {
         return Ok(ClusterResult::default());
     }
     let unit = SIDE / (0.5 * (exemplar.page.size[0] + exemplar.page.size[1]));
-    let own = exemplar.scaled(unit);
+    let mut own = exemplar.scaled(unit);
+    let drawn = context.map(|context| recognised(&context.drawing.scaled(unit), &mut own));
     let extent = own.figures.iter().map(|f| {
         let b = f.bounds();
         [b.x0, b.y0, b.x1, b.y1].into_iter().fold(0.0, |m: f64, v| m.max(v.abs()))
@@ -140,9 +167,18 @@ pub fn cluster(
     let least = (4.2 * LEVELS[0].radius * SIDE).max(1.1 * largest);
     check(&own, params, (unit, least))?;
     let scene = own.repeated(least);
-    let plane = canvas(&own, params, unit, largest);
-    let relations = PlaceRelations::new(&scene, go_on)?;
+    let mut relations = PlaceRelations::new(&scene, go_on)?;
     go_on()?;
+    if let Some((context, drawn)) = context.zip(drawn) {
+        let around = largest + AROUND * LEVELS[0].radius * SIDE;
+        let on_canvas = (params.size, unit, around);
+        let standing = StandingElements::new(context, drawn, &relations, on_canvas);
+        relations = relations.beside(standing);
+        go_on()?;
+    }
+    let standing = relations.standing.as_ref();
+    let plane = standing.map_or_else(|| canvas(&own, params, unit, largest), |s| s.plane);
+    let shown = |at: [f64; 2]| shown(at, (plane, standing), params, unit);
     let (mut board, first) = first_arrangement(&relations, plane, (own.page, params), go_on)?;
     let mut levels = Vec::new();
     let mut last = None;
@@ -154,16 +190,15 @@ pub fn cluster(
         if expected > MOST_SAMPLES {
             break;
         }
-        let (output, votes, mut report) = level_of(sampled(&board, &input), &input, params, go_on)?;
+        let (output, votes, mut report) =
+            level_of(sampled(&board, &input), &input, (params, standing), go_on)?;
         let (new, of_cluster) = rebuilt(&output, &input, &relations, plane);
         board = new;
         report.clusters = [of_cluster.len(), of_cluster.iter().filter(|c| **c != NONE).count()];
         report.mended = mend(&mut board, params.seed, go_on)?;
         report.distance = scale.distance / unit;
         let samples = output.points.iter().zip(&output.cluster);
-        report.output = samples
-            .map(|(p, &cluster)| ClusterSample { at: shown(*p, plane, params, unit), cluster })
-            .collect();
+        report.output = samples.map(|(p, &cluster)| ClusterSample { at: shown(*p), cluster }).collect();
         levels.push(report);
         last = Some((output, votes, of_cluster, scale.distance));
     }
@@ -174,15 +209,26 @@ pub fn cluster(
     }
     let order = painting_order(&board, last.as_ref(), params, go_on)?;
     let copies = scene.places.len() / own.places.len();
-    let elements = order.into_iter().map(|element| ClusteredElement {
-        place: element.place as usize / copies,
-        at: shown(element.at, plane, params, unit),
-    });
+    let is_shown = |e: &BoardElement| {
+        standing.is_none_or(|s| (e.place as usize) < scene.places.len() && s.is_inside(e.at))
+    };
+    let elements = order
+        .into_iter()
+        .filter(is_shown)
+        .map(|e| ClusteredElement { place: e.place as usize / copies, at: shown(e.at) });
     Ok(ClusterResult { elements: elements.collect(), levels })
 }
 
 /// A place of the plane in the unit of the exemplar, beside the canvas on the nearer side.
-fn shown(at: [f64; 2], plane: PeriodicPlane, params: &ClusterParams, unit: f64) -> [f64; 2] {
+fn shown(
+    at: [f64; 2],
+    (plane, standing): (PeriodicPlane, Option<&StandingElements>),
+    params: &ClusterParams,
+    unit: f64,
+) -> [f64; 2] {
+    if let Some(standing) = standing {
+        return [0, 1].map(|k| (at[k] + standing.low[k]) / unit);
+    }
     std::array::from_fn(|k| {
         let size = params.size[k] * unit;
         let beyond = at[k] > 0.5 * (size + plane.size[k]);
@@ -200,6 +246,11 @@ fn first_arrangement<'a>(
 ) -> Result<(Board<'a>, MendCounts)> {
     let variation = if is_regular(relations, period) { STRICT * params.variation } else { params.variation };
     go_on()?;
+    if let Some(by) = relations.standing.as_ref().and_then(|s| s.copied) {
+        let mut board = copy(relations, plane, by);
+        let counts = mend(&mut board, params.seed, go_on)?;
+        return Ok((board, counts));
+    }
     let mut kept: Option<(f64, Board<'a>, MendCounts)> = None;
     for part in [1.0, 0.5, 0.2, 0.0] {
         let mut board = blocks(relations, plane, (variation * part, params.seed), go_on)?;
@@ -279,7 +330,7 @@ fn canvas(own: &ClusterExemplar, params: &ClusterParams, unit: f64, largest: f64
 pub(crate) fn level_of(
     mut output: OutputSamples,
     input: &InputSamples,
-    params: &ClusterParams,
+    (params, standing): (&ClusterParams, Option<&StandingElements>),
     go_on: &dyn Fn() -> Result<()>,
 ) -> Result<(OutputSamples, PairVotes, LevelReport)> {
     let mut report = LevelReport::default();
@@ -291,7 +342,7 @@ pub(crate) fn level_of(
         let before = report.energies.last().copied();
         report.energies.push(energy);
         improve_positions(&mut output, input, &matches, go_on)?;
-        let added = add_missing(&mut output, input, &matches);
+        let added = add_missing(&mut output, input, &matches, standing);
         go_on()?;
         let votes = PairVotes::new(&output, input, &matches, reach);
         let (done, energies) = improve_clusters(&mut output, input, &votes, params.without, go_on)?;

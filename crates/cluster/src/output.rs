@@ -13,6 +13,8 @@ pub(crate) struct OutputSamples {
     /// The cluster of each; numbers below [`OutputSamples::clusters`], not all of them used.
     pub(crate) cluster: Vec<u32>,
     pub(crate) clusters: u32,
+    /// Number of the samples, and of the clusters, of elements that stand. They are the first.
+    pub(crate) given: [usize; 2],
     /// The sample of the exemplar whose neighbourhood is the most similar (μ).
     pub(crate) source: Vec<u32>,
     /// The sample of the exemplar that it was copied from, whose colour it keeps.
@@ -26,6 +28,7 @@ impl OutputSamples {
             points: Vec::new(),
             cluster: Vec::new(),
             clusters: 0,
+            given: [0; 2],
             source: Vec::new(),
             copied: Vec::new(),
         }

@@ -6,7 +6,7 @@ use crate::output::OutputSamples;
 use vtex_base::error::Result;
 use vtex_base::geometry::coherence::NeighbourhoodMatches;
 
-/// Moves samples to where matched neighbourhoods want them.
+/// Moves samples to where matched neighbourhoods want them; those of elements that stand stay.
 ///
 /// # Errors
 /// Those of `go_on`.
@@ -17,5 +17,5 @@ pub(crate) fn improve_positions(
     go_on: &dyn Fn() -> Result<()>,
 ) -> Result<()> {
     let ways = matches.wanted_ways(&output.source, input.sources(), |_, _, change| change, |_, _| {});
-    ways.move_points(&mut output.points, output.plane, go_on)
+    ways.with_fixed(output.given[0]).move_points(&mut output.points, output.plane, go_on)
 }

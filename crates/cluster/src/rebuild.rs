@@ -4,24 +4,36 @@ use crate::board::{Board, BoardElement};
 use crate::input::InputSamples;
 use crate::output::OutputSamples;
 use crate::relations::PlaceRelations;
-use crate::shape_energy::shape_match;
+use crate::shape_energy::{ShapeMatch, shape_match};
 use vtex_base::geometry::dense::{DenseAssignment, NONE};
-use vtex_base::geometry::plane::PeriodicPlane;
+use vtex_base::geometry::plane::{PeriodicPlane, length};
 use vtex_base::parallel;
 
 /// The samples of the elements on a canvas, each with its own sample of the exemplar as source.
 pub(crate) fn sampled(board: &Board<'_>, input: &InputSamples) -> OutputSamples {
     let mut output = OutputSamples::new(board.plane);
-    for element in board.standing() {
-        let figure = &input.of_figure[input.figure[element.place as usize] as usize];
-        for (way, source) in figure.iter().zip(input.cluster(element.place)) {
+    for (k, element) in board.standing().into_iter().enumerate() {
+        let figure = board.figure(element.place);
+        let like = board.relations.like(element.place);
+        let from = input.cluster(like);
+        let of_like = &input.of_figure[input.figure[like as usize] as usize];
+        for (n, way) in input.of_figure[figure as usize].iter().enumerate() {
+            let far = |s: &usize| length([of_like[*s][0] - way[0], of_like[*s][1] - way[1]]);
+            // An element that stands may have samples of its own.
+            let source = match figure == input.figure[like as usize] {
+                true => n,
+                false => (0..of_like.len()).min_by(|a, b| far(a).total_cmp(&far(b))).unwrap_or(0),
+            };
             output.points.push(board.plane.wrapped([element.at[0] + way[0], element.at[1] + way[1]]));
             output.cluster.push(output.clusters);
-            output.source.push(source as u32);
+            output.source.push((from.start + source) as u32);
         }
-        output.copied.extend(input.cluster(element.place).map(|s| s as u32));
         output.clusters += 1;
+        if k < board.given() {
+            output.given = [output.points.len(), output.clusters as usize];
+        }
     }
+    output.copied.clone_from(&output.source);
     output
 }
 
@@ -34,16 +46,18 @@ pub(crate) fn rebuilt<'a>(
     plane: PeriodicPlane,
 ) -> (Board<'a>, Vec<u32>) {
     let members = output.members();
-    let found = parallel::map(&members, |members| {
+    let mut board = Board::new(plane, relations);
+    let (standing, members) = members.split_at(output.given[1]);
+    let found = parallel::map(members, |members| {
         let placeable = |place: u32| input.placeable[place as usize];
         let found = shape_match(output, input, members, placeable, &mut DenseAssignment::default());
         found.filter(|m| m.energy <= members.len() as f64)
     });
-    let mut board = Board::new(plane, relations);
-    let of = |found: Option<crate::shape_energy::ShapeMatch>| match found {
-        Some(m) => board.add(BoardElement { place: m.place, at: m.by }) as u32,
-        None => NONE,
+    let of = |found: Option<ShapeMatch>| match found {
+        Some(m) if board.is_open(m.by) => board.add(BoardElement { place: m.place, at: m.by }) as u32,
+        _ => NONE,
     };
-    let of_cluster = found.into_iter().map(of).collect();
+    let made: Vec<u32> = found.into_iter().map(of).collect();
+    let of_cluster = (0..standing.len() as u32).chain(made).collect();
     (board, of_cluster)
 }

@@ -1,8 +1,10 @@
 //! How elements of the exemplar stand to each other: which overlap and by how much, how near the others come, and
 //! where the neighbours of each are.
 
+use crate::board::Board;
 use crate::figures::{ClusterExemplar, Figure};
 use crate::raster::{FigurePixels, pixels};
+use crate::standing::{StandingElement, StandingElements};
 use std::collections::BTreeMap;
 use vtex_base::error::Result;
 use vtex_base::geometry::Point;
@@ -63,6 +65,10 @@ pub(crate) struct PlaceRelations<'a> {
     pub(crate) twin_distance: Vec<f64>,
     /// Points of each figure, close enough to tell how far others are.
     spots: Vec<Vec<[f64; 2]>>,
+    /// Elements that stand on the canvas already. Their places have the numbers after those of the exemplar.
+    pub(crate) standing: Option<StandingElements>,
+    /// For each of these the place of the exemplar among whose neighbours it fits the best.
+    like: Vec<u32>,
 }
 
 impl<'a> PlaceRelations<'a> {
@@ -143,12 +149,44 @@ impl<'a> PlaceRelations<'a> {
             spacing,
             hole: f64::INFINITY,
             spots: Vec::new(),
+            standing: None,
+            like: Vec::new(),
         };
         made.count(&pairs, go_on)?;
         made.spots = made.figures.iter().map(|f| spots(&f[0])).collect();
         go_on()?;
         made.hole = made.hole_size();
         Ok(made)
+    }
+
+    /// The relations beside elements that stand.
+    pub(crate) fn beside(mut self, standing: StandingElements) -> Self {
+        let plane = standing.plane;
+        self.standing = Some(standing);
+        let like = Board::new(plane, &self).like_places();
+        let neighbours: Vec<_> = like.iter().map(|k| self.partners[*k as usize].clone()).collect();
+        self.partners.extend(neighbours);
+        self.like = like;
+        self
+    }
+
+    /// The elements that stand.
+    pub(crate) fn standing_elements(&self) -> &[StandingElement] {
+        self.standing.as_ref().map_or(&[], |s| &s.elements)
+    }
+
+    /// The figure of a place, also of an element that stands.
+    pub(crate) fn figure(&self, place: u32) -> u32 {
+        let places = &self.exemplar.places;
+        match (place as usize).checked_sub(places.len()) {
+            None => places[place as usize].figure,
+            Some(k) => self.standing_elements()[k].figure,
+        }
+    }
+
+    /// A place itself; of an element that stands, the place of the exemplar that is like it.
+    pub(crate) fn like(&self, place: u32) -> u32 {
+        (place as usize).checked_sub(self.exemplar.places.len()).map_or(place, |k| self.like[k])
     }
 
     /// Overlaps and close pairs of the exemplar.

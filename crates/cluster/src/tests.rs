@@ -4,18 +4,20 @@ use crate::board::{Board, BoardElement};
 use crate::clustering::{ClusteringParts, improve_clusters};
 use crate::figures::{ClusterExemplar, Figure, FigurePlace};
 use crate::input::{InputSamples, LevelScale};
-use crate::optimise::{ClusterParams, ClusterResult, cluster, level_of};
+use crate::optimise::{ClusterParams, ClusterResult, cluster, cluster_beside, level_of};
 use crate::output::{ContextCosts, OutputSamples};
+use crate::raster::pixels;
 use crate::rebuild::{rebuilt, sampled};
 use crate::relations::PlaceRelations;
 use crate::search::search;
 use crate::shape_energy::shape_match;
+use crate::standing::ClusterContext;
 use crate::votes::PairVotes;
 use vtex_base::error::{Error, Result};
 use vtex_base::geometry::coherence::NeighbourhoodMatches;
 use vtex_base::geometry::dense::DenseAssignment;
 use vtex_base::geometry::plane::{PeriodicPlane, PointIndex, Vicinity, length};
-use vtex_base::geometry::{Outline, parse_path};
+use vtex_base::geometry::{Affine, Interior, Outline, Point, parse_path};
 use vtex_base::sampling::stream;
 
 const SCALE: LevelScale = LevelScale { distance: 13.3, radius: 50.0 };
@@ -208,7 +210,7 @@ fn energy_falls_and_samples_return_to_their_places() {
     for p in &mut output.points {
         *p = p.map(|v| v + random.range(-0.4, 0.4) * SCALE.distance);
     }
-    let (output, _, report) = level_of(output, &input, &params(400.0, true), &|| Ok(())).unwrap();
+    let (output, _, report) = level_of(output, &input, (&params(400.0, true), None), &|| Ok(())).unwrap();
     let (first, last) = (report.energies[0], report.energies[report.energies.len() - 1]);
     assert!(last < 0.7 * first, "{:?}", report.energies);
     let (board, of_cluster) = rebuilt(&output, &input, &relations, exemplar.page);
@@ -404,5 +406,93 @@ fn ten_thousand_elements_stop_when_asked_to() {
     // Each stage asks: no question is missed once the answer is no.
     for most in [0, 4, 40, 80] {
         assert_eq!(stopped_at(most), most + 1);
+    }
+}
+
+/// The exemplar repeated over a canvas of a side of 1000, without what lies in a disc, and what lies there.
+fn with_hole(exemplar: &ClusterExemplar) -> (ClusterContext, Vec<FigurePlace>) {
+    let disc = "M330 500C330 273 670 273 670 500C670 727 330 727 330 500Z";
+    let region = Outline::new(&parse_path(disc).unwrap()).unwrap();
+    let interior = Interior::new(&region);
+    let copies = (0..9).flat_map(|k| exemplar.places.iter().map(move |p| (k, p)));
+    let at =
+        |k: i32, p: &FigurePlace| [p.at[0] + 400.0 * f64::from(k % 3), p.at[1] + 400.0 * f64::from(k / 3)];
+    let all = copies.map(|(k, p)| FigurePlace { at: at(k, p), ..*p });
+    let (inside, outside) = all.partition(|p| interior.contains(Point::new(p.at[0], p.at[1])));
+    let page = PeriodicPlane { size: [1000.0; 2], wraps: [false; 2] };
+    let figures = exemplar.figures.iter().map(|f| Figure { category: 7, ..f.clone() }).collect();
+    let drawing = ClusterExemplar { page, figures, places: outside };
+    (ClusterContext { drawing, region, source: None }, inside)
+}
+
+/// Share of some elements that a result has at the same places.
+fn recovered(exemplar: &ClusterExemplar, result: &ClusterResult, wanted: &[FigurePlace]) -> f64 {
+    let is_there = |w: &&FigurePlace| {
+        result.elements.iter().any(|e| {
+            let off = [e.at[0] - w.at[0], e.at[1] - w.at[1]];
+            exemplar.places[e.place].figure == w.figure && length(off) < 8.0
+        })
+    };
+    wanted.iter().filter(is_there).count() as f64 / wanted.len() as f64
+}
+
+#[test]
+fn a_hole_is_filled_so_that_it_fits() {
+    let exemplar = loose();
+    let (context, wanted) = with_hole(&exemplar);
+    let inside = Interior::new(&context.region);
+    let beside = |context: &ClusterContext, variation: f64| {
+        let asked = ClusterParams { variation, ..params(1000.0, false) };
+        cluster_beside(&exemplar, context, &asked, &|| Ok(())).unwrap()
+    };
+    let relations = PlaceRelations::new(&exemplar, &|| Ok(())).unwrap();
+    let as_it_was = beside(&context, 0.0);
+    let share = recovered(&exemplar, &as_it_was, &wanted);
+    assert!(share >= 0.9, "{share} of {}", wanted.len());
+    for variation in [0.0, 1.0] {
+        let made = beside(&context, variation);
+        let count = made.elements.len() as f64 / wanted.len() as f64;
+        assert!((0.75..=1.25).contains(&count), "{count}");
+        for e in &made.elements {
+            assert!(inside.contains(Point::new(e.at[0], e.at[1])), "{e:?}");
+            let figure = exemplar.places[e.place].figure;
+            let hidden = |p: &FigurePlace| {
+                let way = [p.at[0] - e.at[0], p.at[1] - e.at[1]];
+                relations.overlap(figure, p.figure, way)
+            };
+            assert_eq!(context.drawing.places.iter().map(hidden).sum::<u32>(), 0, "{e:?}");
+        }
+    }
+    // A part of the exemplar is laid there first, and fits.
+    let source = context.region.moved(Affine::translate((-400.0, -400.0)));
+    let cloned = beside(&ClusterContext { source: Some(source), ..context.clone() }, 1.0);
+    let share = recovered(&exemplar, &cloned, &wanted);
+    assert!(share >= 0.9, "{share} of {}", wanted.len());
+}
+
+#[test]
+fn figures_that_the_exemplar_does_not_have_are_kept_clear() {
+    let exemplar = loose();
+    let (mut context, wanted) = with_hole(&exemplar);
+    let star = Figure {
+        colour: [0.9, 0.1, 0.1],
+        ..figure("M0 -60L20 -20L60 0L20 20L0 60L-20 20L-60 0L-20 -20Z", 0)
+    };
+    context.drawing.figures.push(star.clone());
+    let (figure, at) = (context.drawing.figures.len() as u32 - 1, [500.0, 500.0]);
+    context.drawing.places.push(FigurePlace { figure, at, placeable: true });
+    let on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let asked = params(1000.0, false);
+        pool.install(|| cluster_beside(&exemplar, &context, &asked, &|| Ok(())).unwrap())
+    };
+    let made = on(1);
+    assert_eq!(made, on(2));
+    assert!(made.elements.len() > 3 && made.elements.len() < wanted.len());
+    let [all, _] = pixels(&star, 0.0);
+    for e in &made.elements {
+        let [own, _] = pixels(&exemplar.figures[exemplar.places[e.place].figure as usize], 0.0);
+        let by = [0, 1].map(|k| libm::round(e.at[k] - at[k]) as i32);
+        assert_eq!(all.overlap(&own, by), 0, "{e:?}");
     }
 }
