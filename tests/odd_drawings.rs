@@ -192,3 +192,22 @@ fn instances_keep_the_transform_that_their_library_gives() {
     };
     assert_eq!(sizes(0.0), sizes(1.0), "places are changed, sizes are not");
 }
+
+#[test]
+fn turned_uses_of_a_symbol_are_where_they_are_drawn() {
+    let symbol = "<symbol id='s' overflow='visible'><path d='M0 0h30v20h-30z' fill='#123456'/></symbol>";
+    let turns =
+        ["translate(100 40) rotate(90)", "matrix(.6 .8 -.8 .6 200 100)", "translate(40 160) scale(1.5)"];
+    let of = |shown: &dyn Fn(&str) -> String| {
+        let inner: String = turns.iter().map(|turn| shown(turn)).collect();
+        let library = read_as(&format!("{symbol}{inner}"), Some(false), AnalyzeParams::default()).unwrap();
+        let placed = |e: &ExemplarElement| e.shapes[0].outline.bounds();
+        library.primaries().iter().map(placed).collect::<Vec<_>>()
+    };
+    let used = of(&|turn| format!("<use href='#s' transform='{turn}'/>"));
+    let drawn = of(&|turn| format!("<path d='M0 0h30v20h-30z' fill='#123456' transform='{turn}'/>"));
+    assert_eq!(used.len(), turns.len());
+    for (a, b) in used.iter().zip(&drawn) {
+        assert!((a.center() - b.center()).hypot() < 0.01 && (a.area() - b.area()).abs() < 0.1, "{a:?} {b:?}");
+    }
+}

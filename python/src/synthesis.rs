@@ -71,8 +71,7 @@ impl SteeringFiles {
             }
             _ => None,
         };
-        let context = DrawnContext { drawing, region, source };
-        Ok(Some(if self.anew { context.cleared(canvas) } else { context }))
+        Ok(Some(DrawnContext { drawing, region, source, anew: self.anew }))
     }
 }
 

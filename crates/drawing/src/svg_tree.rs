@@ -11,6 +11,7 @@ pub use bounds::{MOST_ELEMENTS, ids, referred, uses, weights};
 use resvg::usvg::{self, roxmltree};
 use tiny_skia::{Pixmap, Transform};
 use vtex_base::error::{Error, Large, Result, caught, clip, clip_to};
+use vtex_base::geometry::Affine;
 use vtex_base::gzip;
 
 /// Largest SVG read, unpacked, in bytes.
@@ -174,6 +175,11 @@ fn depth(document: &roxmltree::Document<'_>) -> usize {
         depths.push(above + usize::from(node.is_element()));
     }
     depths.into_iter().max().unwrap_or(0)
+}
+
+/// A transform of a tree.
+pub(crate) fn affine(t: Transform) -> Affine {
+    Affine::new([t.sx, t.ky, t.kx, t.sy, t.tx, t.ty].map(f64::from))
 }
 
 /// Draws a tree over a picture.

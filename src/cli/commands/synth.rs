@@ -128,8 +128,8 @@ fn check_context(libraries: usize, asked: &SynthParams) -> Result<(), Failure> {
             (message, "give the library of which the region is to be filled")
         }
         _ if asked.tile.any() => ("--context does not go with --tile".into(), "leave out --tile"),
-        Method::Auto | Method::Curves => return Ok(()),
-        _ => ("--context is for --method curves".into(), "leave out --method"),
+        Method::Auto | Method::Curves | Method::Clustered => return Ok(()),
+        _ => ("--context is for --method curves and clustered".into(), "leave out --method"),
     };
     Err(Failure::usage(message).hint(hint))
 }

@@ -18,7 +18,7 @@ const ALONE: [&str; 6] = ["domain", "mask", "density", "control", "guide", "map"
 #[derive(Args)]
 #[command(next_help_heading = "Filling in")]
 pub(crate) struct ContextArgs {
-    /// A drawing, SVG, that stays as it is: the lines made in the region go on from its own
+    /// A drawing, SVG, that stays as it is: what is made in the region fits to its lines or elements
     ///
     /// Its units are those of the library's drawing. The canvas is its page, unless --size is given
     #[arg(long, value_name = "FILE", requires = "region", conflicts_with_all = ALONE)]
@@ -27,10 +27,11 @@ pub(crate) struct ContextArgs {
     /// whole
     #[arg(long, value_name = "FILE", requires = "context")]
     pub(crate) region: Option<PathBuf>,
-    /// Make the region anew: strokes of the drawing are cut at its border, and what lies in it is left out
+    /// Make the region anew: strokes of the drawing are cut at its border, and elements whose middle lies in it are left
+    /// out
     #[arg(long, requires = "context")]
     pub(crate) anew: bool,
-    /// The part of the library's drawing that is copied to the region and fitted to the lines around it: all
+    /// The part of the library's drawing that is copied to the region and fitted to what is around it: all
     /// filled shapes of an SVG together, fitted to the library's page. Their middle comes to the region's
     #[arg(long, value_name = "FILE", requires = "context")]
     pub(crate) source: Option<PathBuf>,
@@ -86,8 +87,7 @@ impl ContextFiles {
         let region = shape(&self.region, "a region", [canvas.width, canvas.height])?;
         let page = [library.source.width, library.source.height];
         let source = self.source.as_ref().map(|file| shape(file, "a source", page)).transpose()?;
-        let context = DrawnContext { drawing, region, source };
-        Ok(if self.anew { context.cleared([canvas.width, canvas.height]) } else { context })
+        Ok(DrawnContext { drawing, region, source, anew: self.anew })
     }
 }
 

@@ -1,10 +1,12 @@
 //! Drawings beside which a texture is made.
 
+use vtex_base::error::Error;
 use vtex_base::geometry::{Affine, CurvePart, Interior, Outline, Point};
 use vtex_scene::element::{ElementId, Line, Shape};
 use vtex_scene::library::{ExemplarElement, ExemplarInstance, Library};
 
-/// A drawing that stays as it is, and the region to be filled so that it fits to it (*Continuous Curve Textures*, §2.3).
+/// A drawing that stays as it is, and the region to be filled so that it fits to it (*Continuous Curve Textures*, §2.3), with
+/// lines or with elements.
 /// The texture holds the drawing as the layer `drawn`, and what is made as the layer `predicted`.
 #[derive(Clone, Debug)]
 pub struct DrawnContext {
@@ -16,23 +18,36 @@ pub struct DrawnContext {
     /// its bounds on that of the region's. The copy is fitted to the drawing around the region. `None`: chance decides what
     /// comes into the region.
     pub source: Option<Outline>,
+    /// Whether what the drawing holds in the region is left out first: strokes are cut at the border of the region; of other
+    /// shapes, and of elements of the library, those go whose middle lies in it.
+    pub anew: bool,
 }
 
 impl DrawnContext {
-    /// The context without what its drawing holds in the region, which can then be made anew. Strokes are cut at the
-    /// border of the region. Of other shapes, those whose bounds have their middle in the region are left out. What lies
-    /// beyond a canvas of a width and height counts as the nearest place on it.
-    #[must_use]
-    pub fn cleared(mut self, canvas: [u32; 2]) -> Self {
+    /// The context without the lines in the region: strokes are cut at its border, and other shapes go whose bounds have
+    /// their middle in it. What lies beyond a canvas of a width and height counts as the nearest place on it.
+    pub(crate) fn without_lines(&self, canvas: [u32; 2]) -> Self {
         let region = Interior::new(&self.region);
         let is_inside = |p: Point| region.contains_on(canvas.map(f64::from), p);
-        let drawing = &mut self.drawing;
+        self.replacing(|shape| outside(shape, &is_inside))
+    }
+
+    /// The context with some of its drawing's shapes, in painting order.
+    pub(crate) fn keeping(&self, is_kept: &[bool]) -> Self {
+        let mut kept = is_kept.iter();
+        self.replacing(|shape| if kept.next() == Some(&false) { Vec::new() } else { vec![shape] })
+    }
+
+    /// The context with each shape of its drawing replaced by others.
+    fn replacing(&self, mut by: impl FnMut(Shape) -> Vec<Shape>) -> Self {
+        let mut context = Self { anew: false, ..self.clone() };
+        let drawing = &mut context.drawing;
         let mut elements: Vec<ExemplarElement> = Vec::new();
         for layer in &mut drawing.layers {
             for instance in std::mem::take(&mut layer.instances) {
                 let element = &drawing.elements[instance.element.index()];
                 let placed = element.shapes.iter().map(|s| s.moved(Affine::new(instance.transform)));
-                for shape in placed.flat_map(|shape| outside(shape, &is_inside)) {
+                for shape in placed.flat_map(&mut by) {
                     layer.instances.push(ExemplarInstance::of(ElementId::after(elements.len())));
                     elements.push(ExemplarElement {
                         silhouette: None,
@@ -43,7 +58,20 @@ impl DrawnContext {
             }
         }
         drawing.elements = elements;
-        self
+        context
+    }
+
+    /// The error of a region that holds nothing of a kind.
+    pub(crate) fn too_small(&self, kind: &str) -> Error {
+        let bounds = self.region.bounds();
+        let value = format!("{:.0} x {:.0}", bounds.width(), bounds.height());
+        let allowed = format!("a shape large enough for {kind} like those of the library");
+        Error::Parameter { name: "region", value, allowed: allowed.into() }
+    }
+
+    /// Share of a canvas that the region takes.
+    pub(crate) fn share(&self, canvas: [f64; 2]) -> f64 {
+        (self.region.area() / (canvas[0] * canvas[1])).min(1.0)
     }
 
     /// The context in units of which `pixels` stand for one, beside a library in units of which `of_library` do.
@@ -53,6 +81,7 @@ impl DrawnContext {
             drawing: self.drawing.scaled(pixels),
             region: self.region.moved(stretch),
             source: self.source.as_ref().map(|source| source.moved(own)),
+            anew: self.anew,
         }
     }
 }

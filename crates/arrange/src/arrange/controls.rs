@@ -21,7 +21,8 @@ pub struct Controls {
     /// The guide of the large structure, for a single library. `None`: chance decides.
     pub structure: Option<StructureGuide>,
     /// A drawing that stays as it is, and the region beside it to be filled, for
-    /// [`Method::Curves`](vtex_scene::scene::Method::Curves). `None`: the whole canvas is made.
+    /// [`Method::Curves`](vtex_scene::scene::Method::Curves) and
+    /// [`Method::Clustered`](vtex_scene::scene::Method::Clustered). `None`: the whole canvas is made.
     pub context: Option<DrawnContext>,
 }
 

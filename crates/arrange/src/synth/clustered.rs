@@ -2,18 +2,19 @@
 
 use super::compose::{Placement, What, compose_drawing};
 use super::covered::{MOVED, covered, is_moved};
+use super::recognised::{ShapeLook, cluster_context, oklab, without_region};
 use super::report::{CategoryReport, ClusterReport, SynthReport};
 use super::samples_picture::cluster_picture;
 use super::single_drawing::{refusal, single_drawing};
+use crate::arrange::context::DrawnContext;
 use crate::arrange::controls::Controls;
 use crate::arrange::motifs::{MotifUnits, UnitPart};
 use vtex_base::error::Result;
 use vtex_base::geometry::{Affine, Outline, Rect, rounded};
 use vtex_base::progress::{Progress, advance};
-use vtex_base::raster::colour::Colour;
 use vtex_cluster::{
     ClusterExemplar, ClusterParams, ClusterResult, ClusteredElement, ClusteringParts, Figure, FigurePlace,
-    PeriodicPlane, cluster,
+    PeriodicPlane, cluster, cluster_beside,
 };
 use vtex_scene::element::{self, SimilarTo};
 use vtex_scene::library::{ElementId, Library};
@@ -76,7 +77,11 @@ pub(super) fn synthesize(
         without_context: params.without(Ablation::ShapeContext),
         without_depth: params.without(Ablation::Depth),
     };
-    let found = cluster(&drawing.exemplar, &asked, &go_on)?;
+    let beside = controls.context.as_ref().map(|context| (context, cluster_context(&drawing, context)));
+    let found = match &beside {
+        None => cluster(&drawing.exemplar, &asked, &go_on)?,
+        Some((_, (standing, _))) => cluster_beside(&drawing.exemplar, standing, &asked, &go_on)?,
+    };
     advance(progress, "primaries", 1, 2)?;
     for (number, level) in found.levels.iter().enumerate() {
         progress.picture(&format!("samples-{}", number + 1), &|| {
@@ -85,20 +90,33 @@ pub(super) fn synthesize(
     }
     let params = SynthParams { variation: Some(variation), ..params.clone() };
     let mut placed = drawing.reaching(&found, &params);
+    if let Some((context, _)) = beside.as_ref().filter(|_| placed.is_empty()) {
+        return Err(context.too_small("elements"));
+    }
     // Layers keep their order; within one, the order is that of the result.
     placed.sort_by_key(|e| drawing.places[e.place].layer);
     let known = if units.is_some() { equal(library.primaries()) } else { Vec::new() };
     let placements = placed.iter().flat_map(|e| drawing.placements(library, units.as_ref(), &known, e));
     let scene = compose_drawing(library, &params, controls, placements);
     let covered = covered(library, &scene, || advance(progress, "primaries", 1, 2))?;
-    let categories = CategoryReport::of(library, covered);
+    let mut categories = CategoryReport::of(library, covered);
+    let share = beside.as_ref().map_or(1.0, |(context, _)| context.share(size));
+    categories.iter_mut().for_each(|c| c.wanted *= share);
     advance(progress, "primaries", 2, 2)?;
+    let recognised = beside.map(|(_, (standing, count))| [count, standing.drawing.places.len()]);
     let report = SynthReport {
-        coverage_wanted: library.coverage,
-        clusters: Some(summed(&found)),
+        coverage_wanted: share * library.coverage,
+        clusters: Some(ClusterReport { recognised, ..summed(&found) }),
         ..SynthReport::of_scene(std::slice::from_ref(library), &scene, categories)
     };
     Ok((scene, report))
+}
+
+/// A context without the elements in its region.
+pub(super) fn cleared(library: &Library, context: &DrawnContext, canvas: [u32; 2]) -> DrawnContext {
+    let units = MotifUnits::new(library);
+    let drawing = ClusteredDrawing::new(units.as_ref().map_or(library, |u| &u.library));
+    without_region(&drawing, context, canvas)
 }
 
 /// Sums over all levels.
@@ -133,8 +151,10 @@ struct DrawnPlace {
 }
 
 /// A library as an exemplar of clusters.
-struct ClusteredDrawing {
-    exemplar: ClusterExemplar,
+pub(super) struct ClusteredDrawing {
+    pub(super) exemplar: ClusterExemplar,
+    /// The looks of the shapes of each figure, around its reference point.
+    pub(super) looks: Vec<Vec<ShapeLook>>,
     /// The drawing's element at each place of the exemplar.
     places: Vec<DrawnPlace>,
     /// Bounds of each place around its reference point.
@@ -146,6 +166,7 @@ impl ClusteredDrawing {
         let elements = library.primaries();
         let known = equal(elements);
         let mut figures: Vec<Figure> = Vec::new();
+        let mut looks: Vec<Vec<ShapeLook>> = Vec::new();
         // The linear part that each figure's element is placed with, and the figure.
         let mut of_element: Vec<Vec<([f64; 4], u32)>> = vec![Vec::new(); elements.len()];
         let (mut places, mut drawn, mut bounds) = (Vec::new(), Vec::new(), Vec::new());
@@ -167,7 +188,8 @@ impl ClusteredDrawing {
                     listed.push((linear, figure));
                     let outlines: Vec<Outline> = shapes.iter().map(|s| s.outline.moved(turned)).collect();
                     let category = e.category.map_or(0, |c| c.index() as u32);
-                    figures.push(Figure { outlines, category, colour: colour(e.colour) });
+                    figures.push(Figure { outlines, category, colour: oklab(e.colour) });
+                    looks.push(shapes.iter().map(|s| ShapeLook::of(s, turned)).collect());
                 }
                 let at = map * middle;
                 let at = [at.x, at.y];
@@ -178,7 +200,7 @@ impl ClusteredDrawing {
         }
         let size = [library.source.width, library.source.height].map(f64::from);
         let page = PeriodicPlane { size, wraps: [library.arrangement.periodic; 2] };
-        Self { exemplar: ClusterExemplar { page, figures, places }, places: drawn, bounds }
+        Self { exemplar: ClusterExemplar { page, figures, places }, looks, places: drawn, bounds }
     }
 
     /// The elements that reach the canvas.
@@ -224,10 +246,6 @@ impl ClusteredDrawing {
 fn moved_first(known: &[SimilarTo], own: usize) -> (usize, Affine) {
     let SimilarTo { first, map } = known[own];
     if is_moved(map) { (first, Affine::translate(map.translation())) } else { (own, Affine::IDENTITY) }
-}
-
-fn colour(colour: Colour) -> [f64; 3] {
-    colour.to_oklab().map(f64::from)
 }
 
 #[cfg(test)]

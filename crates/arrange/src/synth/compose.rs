@@ -7,7 +7,7 @@ use vtex_base::raster::colour::Colour;
 use vtex_scene::library::Library;
 use vtex_scene::reconstruct::Listing;
 use vtex_scene::scene::{
-    Domain, Element, ElementId, Instance, InstanceId, Layer, LibraryId, Scene, SynthParams,
+    Domain, Element, ElementId, Instance, InstanceId, Layer, LibraryId, Role, Scene, SynthParams,
 };
 
 /// A placed element.
@@ -45,7 +45,7 @@ pub(crate) fn blank(
     }
 }
 
-/// A texture of one drawing: its layers, filled with placements.
+/// A texture of one drawing: its layers, filled with placements; beside a drawing that stands, one layer of what was made.
 pub(super) fn compose_drawing<'a>(
     library: &Library,
     params: &SynthParams,
@@ -53,6 +53,16 @@ pub(super) fn compose_drawing<'a>(
     placements: impl IntoIterator<Item = Placement<'a>>,
 ) -> Scene {
     let libraries = std::slice::from_ref(library);
+    if controls.context.is_some() {
+        let predicted = Layer { name: Layer::PREDICTED.into(), predicted: true, ..Layer::new(Role::Primary) };
+        let placements = placements.into_iter().map(|p| Placement { layer: 0, ..p });
+        return compose(
+            blank(libraries, params, controls, vec![predicted]),
+            InstanceId(0),
+            libraries,
+            placements,
+        );
+    }
     let layers = library.layers.iter().map(|own| Layer {
         name: own.name.clone(),
         field: own.field.clone(),

@@ -2,7 +2,7 @@
 
 use super::cell_drawing::CellDrawing;
 use super::cells::cell_texture;
-use super::compose::{Placement, What, blank, compose, compose_drawing};
+use super::compose::{Placement, What, compose_drawing};
 use super::line_density::thinned;
 use super::line_drawing::{LineDrawing, is_line};
 use super::report::{CurveReport, SynthReport};
@@ -16,8 +16,8 @@ use vtex_base::geometry::{Affine, Point};
 use vtex_base::progress::{Progress, advance};
 use vtex_base::sampling::stream;
 use vtex_curves::{CurveContext, CurveGraph, CurveParams, CurveParts, CurveResult, curves, curves_beside};
-use vtex_scene::library::{Library, Role};
-use vtex_scene::scene::{Ablation, Element, InstanceId, Layer, Scene, SynthParams};
+use vtex_scene::library::Library;
+use vtex_scene::scene::{Ablation, Element, Scene, SynthParams};
 
 /// Longest side of an element between the lines, as a share of the page's shorter one, and largest share that larger ones
 /// may have of the area of all lines and larger elements.
@@ -168,19 +168,9 @@ pub(super) fn synthesize(
     };
     let placements = between(true).chain(lines).chain(between(false));
     let libraries = std::slice::from_ref(library);
-    let scene = if controls.context.is_some() {
-        let predicted = Layer { name: Layer::PREDICTED.into(), predicted: true, ..Layer::new(Role::Primary) };
-        let scene = blank(libraries, &params, controls, vec![predicted]);
-        compose(scene, InstanceId(0), libraries, placements.map(|p| Placement { layer: 0, ..p }))
-    } else {
-        compose_drawing(library, &params, controls, placements)
-    };
+    let scene = compose_drawing(library, &params, controls, placements);
     let mut categories = drawing.covered(library, &found, &params);
-    let area = canvas[0] * canvas[1];
-    let share = match &controls.context {
-        Some(beside) => (beside.region.area() / area).min(1.0),
-        None => mean_density,
-    };
+    let share = controls.context.as_ref().map_or(mean_density, |context| context.share(canvas));
     categories.iter_mut().for_each(|c| c.wanted *= share);
     advance(progress, "curves", 2, 2)?;
     let report = SynthReport {
@@ -215,10 +205,7 @@ fn continued(
     let beside = CurveContext { lines, region: context.region.clone(), source: context.source.clone() };
     let found = curves_beside(graph, &beside, asked, go_on)?;
     if found.curves.is_empty() {
-        let bounds = context.region.bounds();
-        let value = format!("{:.0} x {:.0}", bounds.width(), bounds.height());
-        let allowed = "a shape large enough for lines like those of the library";
-        return Err(Error::Parameter { name: "region", value, allowed: allowed.into() });
+        return Err(context.too_small("lines"));
     }
     Ok(found)
 }

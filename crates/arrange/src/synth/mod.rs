@@ -28,6 +28,8 @@ mod neighbourhoods;
 #[cfg(feature = "curves")]
 mod page_raster;
 mod period;
+#[cfg(feature = "clustered")]
+mod recognised;
 pub(crate) mod report;
 #[cfg(any(feature = "clustered", feature = "curves"))]
 mod samples_picture;
@@ -162,6 +164,15 @@ fn arranged(
 #[cfg(feature = "clustered")]
 use clustered::synthesize as clustered;
 
+/// The context without what its drawing has in the region, for a method.
+fn cleared(library: &Library, context: &DrawnContext, canvas: [u32; 2], method: Method) -> DrawnContext {
+    match method {
+        #[cfg(feature = "clustered")]
+        Method::Clustered => clustered::cleared(library, context, canvas),
+        _ => context.without_lines(canvas),
+    }
+}
+
 /// Stands for [`clustered`] where it is left out: [`method`] refuses the method.
 #[cfg(not(feature = "clustered"))]
 fn clustered(_: &Library, _: &SynthParams, _: &Controls, _: &dyn Progress) -> Result<(Scene, SynthReport)> {
@@ -257,15 +268,19 @@ fn method(libraries: &[Library], params: &SynthParams, controls: &Controls) -> R
     let plain = params.weights == Weights::default() && params.ablate.iter().all(of_both);
     let led = controls.structure.is_some();
     match params.method {
-        // Only curves go on from what is drawn.
+        // Lines go on from what is drawn, other elements fit to it.
         Method::Auto if controls.context.is_some() => {
-            method(libraries, &SynthParams { method: Method::Curves, ..params.clone() }, controls)
+            let with = |method| SynthParams { method, ..params.clone() };
+            let of_lines = method(libraries, &with(Method::Curves), controls);
+            of_lines.or_else(|_| method(libraries, &with(Method::Clustered), controls))
         }
-        other if controls.context.is_some() && other != Method::Curves => Err(Error::Parameter {
-            name: "method",
-            value: format!("{other:?}").to_lowercase(),
-            allowed: "auto or curves beside a drawing that stands".into(),
-        }),
+        other if controls.context.is_some() && !matches!(other, Method::Curves | Method::Clustered) => {
+            Err(Error::Parameter {
+                name: "method",
+                value: format!("{other:?}").to_lowercase(),
+                allowed: "auto, curves or clustered beside a drawing that stands".into(),
+            })
+        }
         // Nothing else makes more of lines on paper.
         #[cfg(feature = "curves")]
         Method::Auto

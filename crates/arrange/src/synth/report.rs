@@ -102,6 +102,9 @@ pub struct ClusterReport {
     pub removed: usize,
     /// Elements added in gaps.
     pub added: usize,
+    /// Beside a drawing that stands, how many of its elements are the library's, and how many there are.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub recognised: Option<[usize; 2]>,
 }
 
 /// Coverage of one category.

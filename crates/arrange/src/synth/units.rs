@@ -5,8 +5,9 @@
 //! finest drawing, reduced on large canvases.
 
 use super::drawn::with_drawing;
-use super::{Controls, SynthReport, check_canvas, in_pixels, method};
+use super::{Controls, SynthReport, check_canvas, cleared, in_pixels, method};
 use crate::arrange::period::check_periods;
+use std::borrow::Cow;
 use vtex_base::error::{Error, Result};
 use vtex_base::geometry::Affine;
 use vtex_base::progress::Progress;
@@ -60,12 +61,29 @@ fn synthesized(
     progress: &dyn Progress,
 ) -> Result<(Scene, SynthReport)> {
     let kept = excluding(libraries, &params.exclude, progress);
-    let (scene, report) = made(kept.as_deref().unwrap_or(libraries), params, controls, memory, progress)?;
+    let libraries = kept.as_deref().unwrap_or(libraries);
+    let controls = &*anew(libraries, params, controls)?;
+    let (scene, report) = made(libraries, params, controls, memory, progress)?;
     let scene = match &controls.context {
         Some(context) => with_drawing(scene, &context.drawing),
         None => scene,
     };
     Ok((scene, report))
+}
+
+/// The controls, with a context that is cleared first if its region is to be made anew.
+fn anew<'a>(
+    libraries: &[Library],
+    params: &SynthParams,
+    controls: &'a Controls,
+) -> Result<Cow<'a, Controls>> {
+    let Some(context) = controls.context.as_ref().filter(|context| context.anew) else {
+        return Ok(Cow::Borrowed(controls));
+    };
+    controls.validate(libraries)?;
+    let method = method(libraries, params, controls)?;
+    let context = cleared(&libraries[0], context, [params.width, params.height], method);
+    Ok(Cow::Owned(Controls { context: Some(context), ..controls.clone() }))
 }
 
 /// The libraries without the categories of some names; `None` if all stay as they are.

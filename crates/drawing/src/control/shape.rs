@@ -136,20 +136,22 @@ impl ShapeReader<'_> {
     fn read(&self, bytes: &[u8]) -> Result<FileShapes> {
         let tree = svg_tree::parse(bytes, self.name, |fault| self.fail(fault.reason, fault.advice))?;
         let (mut found, mut cut) = (Vec::new(), false);
-        let mut open = vec![tree.root()];
-        while let Some(group) = open.pop() {
+        let mut open = vec![(tree.root(), Affine::IDENTITY)];
+        while let Some((group, map)) = open.pop() {
+            // The tree's own product of transforms is wrong below `use` elements of symbols.
+            let map = map * svg_tree::affine(group.transform());
             cut |= group.clip_path().is_some() || group.mask().is_some();
             for node in group.children() {
                 match node {
-                    usvg::Node::Group(inner) => open.push(inner),
-                    usvg::Node::Path(path) if path.is_visible() => found.push(path),
+                    usvg::Node::Group(inner) => open.push((inner, map)),
+                    usvg::Node::Path(path) if path.is_visible() => found.push((&**path, map)),
                     _ => {}
                 }
             }
         }
         // Shapes are found in any order; the union does not depend on it.
-        if found.iter().any(|path| path.fill().is_some()) {
-            found.retain(|path| path.fill().is_some());
+        if found.iter().any(|(path, _)| path.fill().is_some()) {
+            found.retain(|(path, _)| path.fill().is_some());
         }
         if found.is_empty() {
             let advice = "draw closed paths, filled or stroked; convert text and bitmaps to paths first";
@@ -159,7 +161,7 @@ impl ShapeReader<'_> {
             let (reason, advice) = ("it is cut by a clip path or mask", "draw the shape itself as a path");
             return Err(self.fail(reason, advice));
         }
-        let segments: usize = found.iter().map(|path| path.data().len()).sum();
+        let segments: usize = found.iter().map(|(path, _)| path.data().len()).sum();
         if segments > MOST_SEGMENTS {
             return Err(Error::TooLarge {
                 what: Large::Drawing,
@@ -168,24 +170,22 @@ impl ShapeReader<'_> {
                 limit: format!("{MOST_SEGMENTS} segments"),
             });
         }
-        let ruled = |path: &usvg::Path| {
+        let ruled = |(path, map): (&usvg::Path, Affine)| {
             let rule = match path.fill().map(usvg::Fill::rule) {
                 Some(usvg::FillRule::NonZero) => Rule::NonZero,
                 // In a shape with only a stroke, every ring is an edge.
                 Some(usvg::FillRule::EvenOdd) | None => Rule::EvenOdd,
             };
-            Ok((self.closed(path)?, rule))
+            Ok((self.closed(path, map)?, rule))
         };
-        let paths = found.into_iter().map(|path| ruled(path)).collect::<Result<Vec<_>>>()?;
+        let paths = found.into_iter().map(ruled).collect::<Result<Vec<_>>>()?;
         let size = tree.size();
         Ok(FileShapes { paths, size: [f64::from(size.width()), f64::from(size.height())] })
     }
 
     /// The path in pixels of the SVG. All its rings must be closed.
-    fn closed(&self, path: &usvg::Path) -> Result<BezPath> {
+    fn closed(&self, path: &usvg::Path, map: Affine) -> Result<BezPath> {
         use usvg::tiny_skia_path::PathSegment;
-        let t = path.abs_transform();
-        let map = Affine::new([t.sx, t.ky, t.kx, t.sy, t.tx, t.ty].map(f64::from));
         let point = |p: usvg::tiny_skia_path::Point| map * Point::new(f64::from(p.x), f64::from(p.y));
         let mut out = BezPath::new();
         for segment in path.data().segments() {
@@ -289,6 +289,9 @@ mod tests {
         let turned =
             of(r#"<g transform="translate(50 0) rotate(90)"><rect width="30" height="20"/></g>"#).unwrap();
         assert_eq!(turned.bounds(), Rect::new(300.0, 250.0, 500.0, 550.0));
+        let symbol = r##"<symbol id="s" overflow="visible"><path d="M0 0h30v20h-30z"/></symbol>"##;
+        let used = format!(r##"{symbol}<use href="#s" transform="translate(50 0) rotate(90)"/>"##);
+        assert_eq!(of(&used).unwrap().bounds(), turned.bounds());
         let disc = of(r#"<circle cx="50" cy="25" r="20" fill="none" stroke="red"/>"#).unwrap();
         assert!((disc.area() - std::f64::consts::PI * 4e4).abs() < 100.0);
         let viewed =

@@ -1,6 +1,7 @@
 //! Clipping of paths to convex polygons: the page, and simple clip paths.
 
-use super::read::{affine, bezier};
+use super::read::bezier;
+use crate::svg_tree::affine;
 use kurbo::{ParamCurve, PathSeg, Shape as _, Vec2};
 use resvg::usvg;
 use vtex_base::geometry::{Affine, BezPath, Point, Rect, is_simple};

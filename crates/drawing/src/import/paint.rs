@@ -1,6 +1,6 @@
 //! Paints of a drawing: colours, and gradients as elements hold them.
 
-use super::read::affine;
+use crate::svg_tree::affine;
 use resvg::usvg;
 use vtex_base::geometry::{Affine, Point, Vec2};
 use vtex_base::raster::colour::Colour;

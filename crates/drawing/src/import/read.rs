@@ -107,7 +107,7 @@ pub(super) fn read(bytes: &[u8], name: &str, lenient: bool, progress: &dyn Progr
     }
     advance(progress, "drawing", 0, 4)?;
     let mut reader = DrawingReader { progress, ..DrawingReader::new(name, lenient, &document, size) };
-    let root = WalkState { group: None, layer: 0, opacity: 1.0, depth: 0, id: "" };
+    let root = WalkState { group: None, layer: 0, opacity: 1.0, map: Affine::IDENTITY, depth: 0, id: "" };
     reader.group(tree.root(), root, &[])?;
     let DrawingReader { items, mut groups, layers, counts, is_incomplete, .. } = reader;
     for item in &items {
@@ -172,6 +172,8 @@ struct WalkState<'t> {
     group: Option<usize>,
     layer: usize,
     opacity: f64,
+    /// From the group to the page. The tree's own product is wrong below `use` elements of symbols.
+    map: Affine,
     depth: usize,
     /// The innermost id.
     id: &'t str,
@@ -222,6 +224,7 @@ impl<'a, 'd> DrawingReader<'a, 'd> {
     fn group<'t>(&mut self, group: &'t usvg::Group, place: WalkState<'t>, clips: &[Clip]) -> Result<()> {
         let id = group.id();
         let opacity = place.opacity * f64::from(group.opacity().get());
+        let map = place.map * svg_tree::affine(group.transform());
         if group.mask().is_some() {
             return self.unreadable(id, "has a mask", "elements with masks are left out");
         }
@@ -233,7 +236,7 @@ impl<'a, 'd> DrawingReader<'a, 'd> {
         }
         let mut clips = clips.to_vec();
         if let Some(path) = group.clip_path() {
-            match Clip::new(path, affine(group.abs_transform())) {
+            match Clip::new(path, map) {
                 Some(clip) => clips.push(clip),
                 None => {
                     let what = "is clipped by something else than one convex polygon";
@@ -254,8 +257,8 @@ impl<'a, 'd> DrawingReader<'a, 'd> {
         } else {
             place.group
         };
-        let place =
-            WalkState { group: inner, layer, opacity, depth, id: if id.is_empty() { place.id } else { id } };
+        let id = if id.is_empty() { place.id } else { id };
+        let place = WalkState { group: inner, layer, opacity, map, depth, id };
         for child in group.children() {
             match child {
                 usvg::Node::Group(inner) => self.group(inner, place, &clips)?,
@@ -312,7 +315,7 @@ impl<'a, 'd> DrawingReader<'a, 'd> {
                 limit: "10 million".into(),
             });
         }
-        let map = affine(path.abs_transform());
+        let map = place.map;
         let local = bezier(path.data());
         let drawn = map * local.clone();
         let far = FURTHEST * self.size[0].max(self.size[1]);
@@ -440,11 +443,6 @@ fn stroke(s: &usvg::Stroke, paint: DrawnPaint, map: Affine) -> Option<Stroked> {
         dash_offset: offset * size,
     };
     Some(Stroked { stroke, conformal, local })
-}
-
-/// A transform of the tree.
-pub(super) fn affine(t: usvg::Transform) -> Affine {
-    Affine::new([t.sx, t.ky, t.kx, t.sy, t.tx, t.ty].map(f64::from))
 }
 
 /// A path of the tree, its quadratic curves as cubic ones.
