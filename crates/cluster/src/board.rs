@@ -2,7 +2,9 @@
 
 use crate::relations::PlaceRelations;
 use crate::standing::StandingElement;
-use vtex_base::geometry::plane::{PeriodicPlane, length};
+use std::cmp::Reverse;
+use vtex_base::geometry::plane::{PeriodicPlane, PointIndex, length};
+use vtex_base::parallel;
 
 /// An element on the canvas: one of the exemplar's places, moved.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,6 +15,10 @@ pub(crate) struct BoardElement {
     pub(crate) at: [f64; 2],
 }
 
+/// Difference of support below which places fit about as well.
+const ABOUT: f64 = 0.1;
+/// Difference of offsets that are the same.
+pub(crate) const SAME_OFFSET: f64 = 2.0;
 /// Most cells along an axis.
 const MOST_CELLS: f64 = 512.0;
 
@@ -47,17 +53,36 @@ impl<'a> Board<'a> {
     }
 
     /// For each element that stands the place of the exemplar with its figure, or the one like it, whose neighbours are
-    /// the most like its own.
+    /// the most like its own; of about equally good ones that which lies from it as those of most other elements do.
     pub(crate) fn like_places(&self) -> Vec<u32> {
         let (standing, places) = (self.relations.standing_elements(), &self.relations.exemplar.places);
         let all: Vec<usize> = (0..standing.len()).collect();
-        vtex_base::parallel::map(&all, |&id| {
+        let good = parallel::map(&all, |&id| {
             let StandingElement { figure, like, at } = standing[id];
             let of = |figure: u32| (0..places.len()).filter(move |k| places[*k].figure == figure);
             let known = if of(figure).next().is_some() { figure } else { like };
-            let fit = |k: usize| (k as u32, self.support(BoardElement { place: k as u32, at }, Some(id)));
-            let best = of(known).map(fit).max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)));
-            best.map_or(0, |b| b.0)
+            let fit = |k: usize| (self.support(BoardElement { place: k as u32, at }, Some(id)), k);
+            let fits: Vec<(f64, usize)> = of(known).map(fit).collect();
+            let best = fits.iter().map(|f| f.0).fold(f64::NEG_INFINITY, f64::max);
+            fits.into_iter().filter(|f| f.0 >= best - ABOUT).map(|f| f.1).collect::<Vec<usize>>()
+        });
+        let page = self.relations.exemplar.page;
+        let offset = |id: usize, k: usize| {
+            let (at, from) = (standing[id].at, places[k].at);
+            page.wrapped([at[0] - from[0], at[1] - from[1]])
+        };
+        let of_all =
+            |(id, good): (usize, &Vec<usize>)| good.iter().map(|k| offset(id, *k)).collect::<Vec<_>>();
+        let offsets: Vec<[f64; 2]> = good.iter().enumerate().flat_map(of_all).collect();
+        let index = PointIndex::new(page, SAME_OFFSET, &offsets);
+        parallel::map(&all, |&id| {
+            let votes = |k: usize| {
+                let mut count = 0u32;
+                index.within(offset(id, k), SAME_OFFSET, |_, _| count += 1);
+                count
+            };
+            let most = good[id].iter().map(|k| (votes(*k), *k)).max_by_key(|v| (v.0, Reverse(v.1)));
+            most.map_or(0, |v| v.1 as u32)
         })
     }
 

@@ -5,7 +5,7 @@
 //! element clashes with those of earlier blocks, no gap opens, and pairs across the border stand as pairs of the exemplar
 //! do. Where all places are bad, as in interlocking swatches, the exemplar goes on as it is.
 
-use crate::board::{Board, BoardElement};
+use crate::board::{Board, BoardElement, SAME_OFFSET};
 use crate::relations::PlaceRelations;
 use std::collections::BTreeMap;
 use vtex_base::error::Result;
@@ -100,6 +100,8 @@ pub(crate) fn blocks<'a>(
     Ok(board)
 }
 
+/// Number of elements of a period below which they are a lattice.
+const LATTICE: f64 = 4.0;
 /// Displacements tried for a regular order, at most.
 const DISPLACEMENTS: usize = 60;
 /// Elements looked at under each displacement, at most.
@@ -107,9 +109,14 @@ const LOOKED_AT: usize = 500;
 /// Mean misfit up to which a displaced exemplar is the same.
 const REGULAR: f64 = 0.1;
 
-/// Whether the exemplar looks about the same when it is moved by less than its own period: whether it is regular.
+/// Whether the exemplar is regular: a lattice of few elements, or about the same when it is moved by less than its own
+/// period.
 pub(crate) fn is_regular(relations: &PlaceRelations<'_>, period: PeriodicPlane) -> bool {
     let (exemplar, places) = (relations.exemplar, &relations.exemplar.places);
+    let in_period = places.len() as f64 * period.area() / exemplar.page.area();
+    if period.wraps == [true; 2] && in_period < LATTICE {
+        return true;
+    }
     let at: Vec<[f64; 2]> = places.iter().map(|p| p.at).collect();
     let index = PointIndex::new(exemplar.page, relations.spacing, &at);
     let shape = |k: usize| relations.shape[places[k].figure as usize];
@@ -214,8 +221,8 @@ fn choose(
     let open = OpenPoints::new(board, block);
     let first = going_on.iter().copied().filter(|o| fits(*o));
     let least = first.map(|o| (cost(board, block, &open, o), o)).min_by(|a, b| a.0.total_cmp(&b.0));
-    if variation <= 0.0
-        && let Some((_, offset)) = least
+    if let Some((_, offset)) = least
+        && (variation <= 0.0 || open_contents(board, block, offset).is_empty() && open.points.is_empty())
     {
         return Ok(offset);
     }
@@ -273,7 +280,7 @@ fn from_standing(board: &Board<'_>, block: CanvasBlock) -> Vec<[f64; 2]> {
 
 /// Whether two offsets are the same on a page.
 fn is_same(page: PeriodicPlane, a: [f64; 2], b: [f64; 2]) -> bool {
-    length(page.between(page.wrapped(a), page.wrapped(b))) < 2.0
+    length(page.between(page.wrapped(a), page.wrapped(b))) < SAME_OFFSET
 }
 
 /// Offsets that put an element of the exemplar on one of its shape beside the block, or on one of its category.
@@ -345,7 +352,7 @@ fn cost(board: &Board<'_>, block: CanvasBlock, open: &OpenPoints, offset: [f64; 
                 break;
             }
             let at = [middle[0] + way[0] + partner.way[0], middle[1] + way[1] + partner.way[1]];
-            if !block.holds(at) {
+            if !block.holds(at) || !board.is_open(at) {
                 continue;
             }
             let wanted = relations.exemplar.places[partner.place as usize].figure;
@@ -381,7 +388,10 @@ impl OpenPoints {
             around.into_iter().map(|n| (n.1.place, block.within([middle[0] + n.2[0], middle[1] + n.2[1]])));
         let count = block.size.map(|v| libm::ceil(v / GRID) as usize);
         let grid = (0..count[0] * count[1]).map(|k| [k % count[0], k / count[0]].map(|v| GRID * v as f64));
-        let points = far_from(board, block, near, grid.collect());
+        let mut points = far_from(board, block, near, grid.collect());
+        if let Some(standing) = &relations.standing {
+            points.retain(|p| standing.is_free([block.low[0] + p[0], block.low[1] + p[1]]));
+        }
         Self { points, all: count[0] * count[1] }
     }
 

@@ -163,8 +163,9 @@ fn arranged(
         [b.x0, b.y0, b.x1, b.y1].into_iter().fold(0.0, |m: f64, v| m.max(v.abs()))
     });
     let largest = 2.0 * extent.fold(0.0, f64::max);
-    // No neighbourhood and no element may meet itself across a seam.
-    let least = (4.2 * LEVELS[0].radius * SIDE).max(1.1 * largest);
+    // No neighbourhood, no element and none of the elements around one may meet itself across a seam.
+    let around_element = 2.1 * PlaceRelations::reach_of_partners(&own);
+    let least = (4.2 * LEVELS[0].radius * SIDE).max(1.1 * largest).max(around_element);
     check(&own, params, (unit, least))?;
     let scene = own.repeated(least);
     let mut relations = PlaceRelations::new(&scene, go_on)?;

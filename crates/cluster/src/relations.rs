@@ -11,8 +11,9 @@ use vtex_base::geometry::Point;
 use vtex_base::geometry::plane::{PeriodicPlane, PointIndex, length};
 use vtex_base::parallel;
 
-/// Neighbours known of each element.
+/// Neighbours known of each element, and how far away, in spacings.
 const PARTNERS: usize = 12;
+const PARTNERS_WITHIN: f64 = 2.5;
 /// Largest clearance, in lengths of which the exemplar has 400, and the share of that of the exemplar that is kept.
 const LARGEST_CLEARANCE: f64 = 16.0;
 const KEPT_CLEARANCE: f64 = 0.75;
@@ -83,12 +84,12 @@ impl<'a> PlaceRelations<'a> {
         let plane = exemplar.page;
         let places = &exemplar.places;
         let at: Vec<[f64; 2]> = places.iter().map(|p| p.at).collect();
-        let spacing = libm::sqrt(plane.area() / places.len().max(1) as f64);
+        let spacing = spacing(exemplar);
         let index = PointIndex::new(plane, 2.0 * spacing, &at);
         let all: Vec<usize> = (0..places.len()).collect();
         let partners = parallel::map(&all, |&k| {
             let mut near = Vec::new();
-            index.within(at[k], 2.5 * spacing, |other, way| {
+            index.within(at[k], PARTNERS_WITHIN * spacing, |other, way| {
                 if other != k {
                     near.push(ElementPartner { place: other as u32, way });
                 }
@@ -157,6 +158,11 @@ impl<'a> PlaceRelations<'a> {
         go_on()?;
         made.hole = made.hole_size();
         Ok(made)
+    }
+
+    /// How far neighbours of an element are known.
+    pub(crate) fn reach_of_partners(exemplar: &ClusterExemplar) -> f64 {
+        PARTNERS_WITHIN * spacing(exemplar)
     }
 
     /// The relations beside elements that stand.
@@ -310,6 +316,11 @@ impl<'a> PlaceRelations<'a> {
     pub(crate) fn spots_of(&self, figure: u32) -> &[[f64; 2]] {
         &self.spots[figure as usize]
     }
+}
+
+/// Typical distance of neighbours.
+fn spacing(exemplar: &ClusterExemplar) -> f64 {
+    libm::sqrt(exemplar.page.area() / exemplar.places.len().max(1) as f64)
 }
 
 /// Points of a figure, some pixels apart.
