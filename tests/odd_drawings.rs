@@ -3,7 +3,7 @@
 
 use std::fmt::Write as _;
 use vtex::import::{Grouping, ImportParams, import};
-use vtex::library::{AnalyzeParams, Library};
+use vtex::library::{AnalyzeParams, ExemplarElement, Library};
 use vtex::scene::{Method, SynthParams, Tile};
 use vtex::synth::synthesize;
 use vtex::{Error, Result};
@@ -196,8 +196,7 @@ fn instances_keep_the_transform_that_their_library_gives() {
 #[test]
 fn turned_uses_of_a_symbol_are_where_they_are_drawn() {
     let symbol = "<symbol id='s' overflow='visible'><path d='M0 0h30v20h-30z' fill='#123456'/></symbol>";
-    let turns =
-        ["translate(100 40) rotate(90)", "matrix(.6 .8 -.8 .6 200 100)", "translate(40 160) scale(1.5)"];
+    let turns = ["translate(30 10) rotate(90)", "matrix(.6 .8 -.8 .6 60 10)", "translate(10 50) scale(.7)"];
     let of = |shown: &dyn Fn(&str) -> String| {
         let inner: String = turns.iter().map(|turn| shown(turn)).collect();
         let library = read_as(&format!("{symbol}{inner}"), Some(false), AnalyzeParams::default()).unwrap();

@@ -75,6 +75,7 @@ pub(crate) fn hint(error: &Error) -> Option<String> {
         }
         Error::Periods { .. } => "give a larger --size, or --lattice off, which fits any",
         Error::Sizes { .. } => "make both with the same --size, or stretch one with 'vtex warp --stretch'",
+        Error::Parameter { name: "method", .. } => "leave out --method, or what this one does not follow",
         Error::Parameter { name: "region", .. } => "draw a larger shape for --region",
         Error::Seams => "make the texture with --tile, for both axes",
         Error::MaxBytes { smallest, .. } => {

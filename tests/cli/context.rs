@@ -4,7 +4,7 @@
 use super::support::Folder;
 use roxmltree::{Document, Node};
 use std::collections::BTreeSet;
-use vtex::geometry::{BezPath, PathEl, Point, Vec2, parse_path};
+use vtex::geometry::{BezPath, Outline, PathEl, Point, Vec2, parse_path};
 use vtex::import::as_drawn;
 use vtex::output::svg;
 use vtex::synth::reconstruct;
@@ -337,12 +337,76 @@ fn what_cannot_be_filled_is_refused() {
     fails("whole.lib.json --context picture.svg --region region.svg", 1, "has a filter");
     fails("whole.lib.json --context photo.png --region region.svg", 1, "holds an image");
     let both = format!("{beside} --region region.svg");
-    fails(&format!("{both} --method clustered"), 2, "--context is for --method curves");
-    fails(&format!("{both} --method period"), 2, "--context is for --method curves");
+    fails(&format!("{both} --method clustered"), 2, "whose elements end");
+    fails(&format!("{both} --method period"), 2, "--context is for --method curves and clustered");
     fails(&format!("{both} --tile"), 2, "--context does not go with --tile");
     fails(&format!("{both} --domain region.svg"), 2, "--domain");
     fails("whole.lib.json photo.lib.json --map photo.png --context half.svg --region region.svg", 2, "--map");
     fails("whole.lib.json photo.lib.json --context half.svg --region region.svg", 2, "a single library");
     let photograph = folder.run("synth photo.lib.json -o x.svg --context half.svg --region region.svg");
-    photograph.fails(2, "method = curves is out of range: for a drawing");
+    photograph.fails(2, "method = clustered is out of range: for a drawing");
+}
+
+/// Twelve leaves and discs with a dot each, on a page that repeats.
+fn leaves() -> String {
+    let mut inner = String::from(r##"<rect width="100%" height="100%" fill="#fff8ee"/>"##);
+    for k in 0..12u32 {
+        let (x, y) = (30 + 60 * (k % 4) + 7 * (k * k % 5), 30 + 60 * (k / 4) + 5 * (k * 3 % 7));
+        inner += &match k % 3 {
+            0 => format!(
+                r##"<g><circle cx="{x}" cy="{y}" r="15" fill="#c1440e"/><circle cx="{}" cy="{y}" r="5" fill="#222"/></g>"##,
+                x + 4
+            ),
+            _ => format!(r##"<path d="M{x} {y}m-18 0q18-20 36 0q-18 20-36 0z" fill="#2a7f4f"/>"##),
+        };
+    }
+    svg_of([240, 180], &inner)
+}
+
+#[cfg(feature = "clustered")]
+#[test]
+fn elements_fit_to_those_that_stand() {
+    let folder = Folder::new();
+    folder.write("leaves.svg", leaves());
+    folder.run("analyze leaves.svg -o leaves.lib.json").succeeds();
+    folder.run("texture leaves.svg -o whole.svg --size 720x540 --variation 0").succeeds();
+    folder.write("hole.svg", svg_of([720, 540], r#"<circle cx="350" cy="270" r="150"/>"#));
+    let arguments = "synth leaves.lib.json --context whole.svg --region hole.svg --anew --seed 2 --expand";
+    let run = folder.run(&format!("{arguments} -o a.svg --json --threads 1")).succeeds();
+    // What stands around the hole is known, elements of two shapes, too, but where the page ends within them.
+    let [known, all] = [0, 1].map(|k| run.json()["clusters"]["recognised"][k].as_u64().unwrap());
+    assert!(known > 60 && known as f64 >= 0.9 * all as f64, "{known} of {all}");
+    folder.run(&format!("{arguments} -o b.svg --threads 2")).succeeds();
+    assert!(folder.read("a.svg") == folder.read("b.svg"));
+    let text = String::from_utf8(folder.read("a.svg")).unwrap();
+    let document = Document::parse(&text).unwrap();
+    let places = |layer: &str| -> Vec<(String, Point)> {
+        let of = |n: Node<'_, '_>| {
+            let path = parse_path(n.attribute("d")?).ok()?;
+            Some((n.attribute("fill")?.to_owned(), Outline::new(&path)?.bounds().center()))
+        };
+        group(&document, layer).descendants().filter(|n| n.has_tag_name("path")).filter_map(of).collect()
+    };
+    let (drawn, made) = (places("layer-drawn"), places("layer-predicted"));
+    let middle = Point::new(350.0, 270.0);
+    // Discs and their dots go and stay together.
+    let of = |all: &[(String, Point)], colour: &str| -> Vec<Point> {
+        all.iter().filter(|p| p.0 == colour).map(|p| p.1).collect()
+    };
+    for (layer, least) in [(&drawn, 10), (&made, 1)] {
+        let (discs, dots) = (of(layer, "#c1440e"), of(layer, "#222"));
+        // Dots beyond the page are not part of it.
+        let on_page = |p: &&Point| (20.0..700.0).contains(&p.x) && (20.0..520.0).contains(&p.y);
+        let discs: Vec<&Point> = discs.iter().filter(on_page).collect();
+        assert!(discs.len() > least, "{} discs", discs.len());
+        assert!(discs.iter().all(|disc| dots.iter().any(|dot| dot.distance(**disc) < 6.0)));
+    }
+    assert!(drawn.iter().filter(|p| p.0 != "#222").all(|p| p.1.distance(middle) > 145.0));
+    assert!(made.iter().all(|p| p.1.distance(middle) < 160.0));
+    let count = made.len() as f64 / (std::f64::consts::PI * 150.0 * 150.0);
+    let wanted = 16.0 / (240.0 * 180.0);
+    assert!((0.75..1.25).contains(&(count / wanted)), "{count} {wanted}");
+    folder.write("speck.svg", svg_of([720, 540], r#"<circle cx="350" cy="270" r="2"/>"#));
+    let speck = "synth leaves.lib.json --context whole.svg --region speck.svg -o x.svg --seed 1";
+    folder.run(speck).fails(2, "a shape large enough for elements");
 }

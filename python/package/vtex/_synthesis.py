@@ -109,15 +109,16 @@ def synthesize(
     guide : picture, optional
         Light and dark as in another picture; floats are lightness, 0 to 1.
     context : SVG, optional
-        A drawing that stays as it is, in the units of the library's drawing: the lines made in `region` go on
-        from its own. The canvas is its page, unless `size` is given. The scene holds it as the layer `drawn`,
-        and what is made as the layer `predicted`. For one drawing of lines, without other things that steer.
+        A drawing that stays as it is, in the units of the library's drawing: what is made in `region` fits to
+        its lines or elements. The canvas is its page, unless `size` is given. The scene holds it as the layer
+        `drawn`, and what is made as the layer `predicted`. For one drawing, without other things that steer.
     region : SVG, optional
         The region that is filled beside `context`: all filled shapes together, fitted to the canvas.
     anew : bool, default False
-        Make the region anew: strokes of the drawing are cut at its border, and what lies in it is left out.
+        Make the region anew: strokes of the drawing are cut at its border, and elements whose middle lies in
+        it are left out.
     source : SVG, optional
-        The part of the library's drawing that is copied to the region and fitted to the lines around it: all
+        The part of the library's drawing that is copied to the region and fitted to what is around it: all
         filled shapes together, fitted to the library's page. Their middle comes to the region's.
     progress : callable, optional
         Called as ``progress(stage, done, total)`` in this thread; the work stops if it returns False or
