@@ -1,5 +1,6 @@
 //! Drawings beside which a texture is made.
 
+#[cfg(any(feature = "clustered", feature = "curves"))]
 use vtex_base::error::Error;
 use vtex_base::geometry::{Affine, CurvePart, Interior, Outline, Point};
 use vtex_scene::element::{ElementId, Line, Shape};
@@ -33,6 +34,7 @@ impl DrawnContext {
     }
 
     /// The context with some of its drawing's shapes, in painting order.
+    #[cfg(feature = "clustered")]
     pub(crate) fn keeping(&self, is_kept: &[bool]) -> Self {
         let mut kept = is_kept.iter();
         self.replacing(|shape| if kept.next() == Some(&false) { Vec::new() } else { vec![shape] })
@@ -62,6 +64,7 @@ impl DrawnContext {
     }
 
     /// The error of a region that holds nothing of a kind.
+    #[cfg(any(feature = "clustered", feature = "curves"))]
     pub(crate) fn too_small(&self, kind: &str) -> Error {
         let bounds = self.region.bounds();
         let value = format!("{:.0} x {:.0}", bounds.width(), bounds.height());
@@ -70,6 +73,7 @@ impl DrawnContext {
     }
 
     /// Share of a canvas that the region takes.
+    #[cfg(any(feature = "clustered", feature = "curves"))]
     pub(crate) fn share(&self, canvas: [f64; 2]) -> f64 {
         (self.region.area() / (canvas[0] * canvas[1])).min(1.0)
     }

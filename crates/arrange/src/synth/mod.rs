@@ -38,8 +38,8 @@ pub(crate) mod secondaries;
 mod single_drawing;
 mod strata;
 mod taken_apart;
-#[cfg(all(test, any(feature = "clustered", feature = "curves")))]
-mod testing;
+#[cfg(test)]
+pub(crate) mod testing;
 #[cfg(test)]
 mod tests;
 mod units;
@@ -165,12 +165,17 @@ fn arranged(
 use clustered::synthesize as clustered;
 
 /// The context without what its drawing has in the region, for a method.
+#[cfg(feature = "clustered")]
 fn cleared(library: &Library, context: &DrawnContext, canvas: [u32; 2], method: Method) -> DrawnContext {
     match method {
-        #[cfg(feature = "clustered")]
         Method::Clustered => clustered::cleared(library, context, canvas),
         _ => context.without_lines(canvas),
     }
+}
+
+#[cfg(not(feature = "clustered"))]
+fn cleared(_: &Library, context: &DrawnContext, canvas: [u32; 2], _: Method) -> DrawnContext {
+    context.without_lines(canvas)
 }
 
 /// Stands for [`clustered`] where it is left out: [`method`] refuses the method.

@@ -4,7 +4,7 @@ use vtex_base::raster::LabelMap;
 use vtex_scene::library::{Library, Role, SourceKind, testing};
 
 /// A drawing of the areas of a map, on a page that repeats.
-pub(super) fn drawing_of(map: &LabelMap) -> Library {
+pub(crate) fn drawing_of(map: &LabelMap) -> Library {
     let mut library = testing::library(map);
     let count = library.primaries().len();
     library.elements.truncate(count);

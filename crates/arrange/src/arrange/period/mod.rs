@@ -8,9 +8,11 @@
 //! to rotation, reflection and size are one element of the scene. Motifs take part as wholes; then their parts
 //! move as far as the drawing's own copies of the motif differ.
 //!
-//! Works badly for packed drawings, whose elements have no room to move: they are repeated exactly.
-//! [`Repeated::repeating`] is then 1.
+//! Where nothing has room to move, elements of one shape in several colours change places ([`alike`]).
+//!
+//! Works badly for other packed drawings: they are repeated exactly. [`Repeated::repeating`] is then 1.
 
+mod alike;
 mod canvas;
 mod exchange;
 mod parts;
@@ -19,6 +21,7 @@ mod relations;
 mod tests;
 
 use crate::arrange::motifs::MotifUnits;
+use alike::AlikeShapes;
 use canvas::{MOST_PIXELS, OccupiedCanvas};
 use parts::TakenApart;
 use vtex_base::error::{Error, Large, Result};
@@ -87,12 +90,21 @@ fn place_within(
     if let Some(units) = &units {
         relations.follow(units);
     }
-    let mut variation = params.variation.unwrap_or(if relations.regular { 0.0 } else { 1.0 });
+    let alike = AlikeShapes::new(drawing, &relations);
+    if relations.regular && !alike.is_empty() {
+        // Whatever else moved would be seen to.
+        relations.free.fill(false);
+    }
+    let is_kept = relations.regular && alike.is_empty();
+    let mut variation = params.variation.unwrap_or(if is_kept { 0.0 } else { 1.0 });
     let mut placed = repeated(drawing, params, &relations);
     // On a canvas too large for the map, coverage is taken from the exemplar.
     let mut covered = None;
     let go_on = || advance(progress, "primaries", 1, 2);
     if let Some(mut canvas) = OccupiedCanvas::new(drawing, params, &relations, most) {
+        if variation > 0.0 {
+            alike.exchange(&mut placed, |p| canvas.zone(p), (variation, params.seed));
+        }
         canvas.write_all(&placed, || advance(progress, "primaries", 0, 2))?;
         go_on()?;
         if variation > 0.0 {
