@@ -6,11 +6,11 @@ use super::groups::ReportGroup;
 use serde::Serialize;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
-use vtex_base::geometry::Rect;
+use vtex_base::geometry::{Rect, Vec2};
 use vtex_base::raster::colour::Colour;
 use vtex_output::{SceneCategory, coverage, inside};
 use vtex_scene::element::{self, Gaussian};
-use vtex_scene::library::{AnalyzeParams, Arrangement, Library};
+use vtex_scene::library::{AnalyzeParams, Arrangement, Library, Motif, MotifPart};
 use vtex_scene::scene::{
     CategoryId, ControlPoint, Edge, EditRecord, ElementId, Instance, InstanceId, Role, Scene, SynthParams,
     Tile,
@@ -38,6 +38,8 @@ pub(super) struct GroupData<'a> {
     pub(super) picture: Option<String>,
     /// The Gaussians of what that picture shows, if it is the exemplar drawn back.
     pub(super) ellipses: Vec<Ellipse>,
+    /// The motifs of a drawing.
+    motifs: Vec<MotifData>,
     library: Option<LibraryData<'a>>,
     /// Whether the scene was made from it.
     in_scene: bool,
@@ -78,6 +80,15 @@ struct BackgroundData {
     fallback: Colour,
     /// Pixels from the left and from the top, colour.
     points: Vec<(f64, f64, Colour)>,
+}
+
+/// A motif of a drawing.
+#[derive(Serialize)]
+struct MotifData {
+    /// Motifs of one kind are copies of each other.
+    kind: u32,
+    /// Bounding boxes of its elements: x, y, width, height.
+    parts: Vec<[f64; 4]>,
 }
 
 /// The result.
@@ -183,6 +194,7 @@ impl<'a> GroupData<'a> {
             photo_missing: None,
             picture: None,
             ellipses: Vec::new(),
+            motifs: library.map_or(Vec::new(), motifs),
             library: group.library.map(LibraryData::new),
             in_scene: !group.references.is_empty(),
             categories: categories(group, scene, &textons),
@@ -217,6 +229,18 @@ fn of_library(library: &Library, placed: impl Fn(ElementId) -> usize) -> Vec<Tex
         centre: Some(p.centroid),
     };
     library.primaries().iter().enumerate().map(texton).collect()
+}
+
+/// The motifs of a library. Parts that its page cuts off from the others are beside them.
+fn motifs(library: &Library) -> Vec<MotifData> {
+    let page = library.page();
+    let part = |part: &MotifPart| {
+        let bounds = element::bounds(&library.elements[part.element.index()].shapes);
+        let by = [0, 1].map(|k| f64::from(part.periods[k]) * page[k]);
+        sides(bounds + Vec2::new(by[0], by[1]))
+    };
+    let motif = |motif: &Motif| MotifData { kind: motif.kind, parts: motif.parts.iter().map(part).collect() };
+    library.motifs.iter().map(motif).collect()
 }
 
 fn of_scene(group: &ReportGroup<'_>, scene: &Scene, placed: impl Fn(ElementId) -> usize) -> Vec<TextonData> {

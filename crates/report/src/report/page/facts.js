@@ -77,6 +77,7 @@ function makeFacts() {
         row("SHA-256", el("code", null, about.sha256)), row("size", `${library.width} × ${library.height} px`),
         row("segmenter", library.segmenter), row("seed", library.seed), row("written by", library.program),
         row("primaries", `${integer(library.primaries)}, ${integer(library.clipped)} of them cut by the border`),
+        about.motifs.length > 0 ? row("motifs", integer(about.motifs.length)) : null,
         row("details", integer(library.details)),
         row("secondaries", `${integer(library.secondaries)}, ${short(library.secondary_spacing)} px apart`),
         row("coverage", percent(library.coverage))),

@@ -1,7 +1,7 @@
 // Layers to switch on and off, in the reconstruction and in the result.
 
 // Hidden until they are switched on.
-const EXTRA = ["ellipses"];
+const EXTRA = ["ellipses", "motifs"];
 const hidden = { layers: new Set(EXTRA), categories: new Set() };
 const LAYERS = [
   ["background", "Background"],
@@ -9,6 +9,7 @@ const LAYERS = [
   ["primary", "Primaries"],
   ["details", "Details"],
   ["ellipses", "Ellipses"],
+  ["motifs", "Motifs"],
 ];
 
 // An SVG taken apart: how it begins, its definitions line by line, and its layers.
@@ -36,6 +37,20 @@ function ellipsesText(ellipses) {
     `<g transform="translate(${x} ${y})rotate(${angle})"><ellipse rx="${long}" ry="${short}"/><path d="M0 0H${long}"/></g>`);
   const drawn = (colour, width) => `<g stroke="${colour}" stroke-width="${width}">${shapes.join("")}</g>`;
   return `<g fill="none" stroke-linecap="round">${drawn("#000b", 2)}${drawn("#fff", 0.8)}</g>`;
+}
+
+// The motifs of a drawing: a frame around each, and a dot on each of its elements. Motifs of one kind have one colour.
+function motifsText(motifs) {
+  const frames = motifs.map(({ kind, parts }) => {
+    const ends = (k, more) => parts.map((box) => box[k] + (more ? box[k + 2] : 0));
+    const [x0, y0] = [0, 1].map((k) => Math.min(...ends(k, false)) - 1);
+    const [x1, y1] = [0, 1].map((k) => Math.max(...ends(k, true)) + 1);
+    const dots = parts.map(([x, y, width, height]) => `<circle cx="${x + width / 2}" cy="${y + height / 2}" r="1.5"/>`);
+    const colour = `hsl(${(kind * 137.5) % 360} 75% 42%)`;
+    return `<g stroke="${colour}" fill="${colour}"><rect x="${x0}" y="${y0}" width="${x1 - x0}" height="${y1 - y0}" `
+      + `rx="2" fill-opacity=".08"/>${dots.join("")}</g>`;
+  });
+  return `<g stroke-width="1">${frames.join("")}</g>`;
 }
 
 // One layer as an SVG of its own: with the definitions that it can need, without what is switched off.
@@ -87,7 +102,8 @@ function makeLayers() {
   const box = byId("layers");
   box.replaceChildren();
   if (!panes.some((pane) => pane.picture)) return;
-  const layers = LAYERS.map(([key, name]) =>
+  const has = (key) => key !== "motifs" || group()?.motifs.length > 0;
+  const layers = LAYERS.filter(([key]) => has(key)).map(([key, name]) =>
     el("button", {
       type: "button",
       class: "switch",

@@ -14,7 +14,8 @@ function makePanes() {
     addPane("Exemplar", about.file, size, { photo: about.photo });
   }
   if (library) {
-    addPane("Reconstruction", library.name, library, { picture: about.picture, ellipses: about.ellipses });
+    const { picture, ellipses, motifs } = about;
+    addPane("Reconstruction", library.name, library, { picture, ellipses, motifs });
   }
   if (scene) addPane("Result", scene.name, scene, { picture: "result", ellipses: scene.ellipses });
   panes.forEach((pane) => showPicture(pane).catch(fail));
@@ -47,6 +48,7 @@ async function showPicture(pane) {
   } else {
     pane.parts = partsOf(await textOf(pane.picture));
     pane.parts.layers.ellipses = ellipsesText(pane.ellipses);
+    if (pane.motifs?.length > 0) pane.parts.layers.motifs = motifsText(pane.motifs);
     await Promise.all(Object.keys(pane.parts.layers).map((layer) => showLayer(pane, layer)));
   }
   place();
