@@ -344,7 +344,7 @@ fn what_cannot_be_filled_is_refused() {
     fails("whole.lib.json photo.lib.json --map photo.png --context half.svg --region region.svg", 2, "--map");
     fails("whole.lib.json photo.lib.json --context half.svg --region region.svg", 2, "a single library");
     let photograph = folder.run("synth photo.lib.json -o x.svg --context half.svg --region region.svg");
-    photograph.fails(2, "method = clustered is out of range: for a drawing");
+    photograph.fails(2, "method = curves is out of range: for a drawing");
 }
 
 /// Twelve leaves and discs with a dot each, on a page that repeats.
@@ -373,6 +373,7 @@ fn elements_fit_to_those_that_stand() {
     folder.write("hole.svg", svg_of([720, 540], r#"<circle cx="350" cy="270" r="150"/>"#));
     let arguments = "synth leaves.lib.json --context whole.svg --region hole.svg --anew --seed 2 --expand";
     let run = folder.run(&format!("{arguments} -o a.svg --json --threads 1")).succeeds();
+    assert_eq!(run.json()["method"], "clustered");
     // What stands around the hole is known, elements of two shapes, too, but where the page ends within them.
     let [known, all] = [0, 1].map(|k| run.json()["clusters"]["recognised"][k].as_u64().unwrap());
     assert!(known > 60 && known as f64 >= 0.9 * all as f64, "{known} of {all}");

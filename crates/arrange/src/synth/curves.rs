@@ -16,6 +16,7 @@ use vtex_base::geometry::{Affine, Point};
 use vtex_base::progress::{Progress, advance};
 use vtex_base::sampling::stream;
 use vtex_curves::{CurveContext, CurveGraph, CurveParams, CurveParts, CurveResult, curves, curves_beside};
+use vtex_scene::element::Shape;
 use vtex_scene::library::Library;
 use vtex_scene::scene::{Ablation, Element, Scene, SynthParams};
 
@@ -54,6 +55,37 @@ pub(super) fn check(libraries: &[Library], params: &SynthParams, controls: &Cont
         return Ok(());
     }
     Err(refusal(METHOD, LINES))
+}
+
+/// Least share of the area that lines longer than [`LARGEST`] have in a drawing whose lines run on; and that lines have in
+/// one of short lines, of which most meet others.
+const LONG: f64 = 0.05;
+const SHORT: f64 = 0.5;
+const MEET: f64 = 0.8;
+
+/// Whether the lines of a drawing run on, so that it is more than elements side by side.
+pub(super) fn runs_on(library: &Library) -> bool {
+    let elements = library.primaries();
+    let largest = LARGEST * f64::from(library.source.width.min(library.source.height));
+    let touching = library.arrangement.to_labels().touching();
+    let (mut all, mut long, mut lines) = (0.0, 0.0, 0.0);
+    let (mut count, mut meeting) = (0.0, 0.0);
+    for (k, element) in elements.iter().enumerate() {
+        let area: f64 = element.shapes.iter().map(Shape::area).sum();
+        all += area;
+        if !element.shapes.iter().all(is_line) {
+            continue;
+        }
+        let meets = touching.get(k + 1) == Some(&true);
+        (lines, count, meeting) = (lines + area, count + 1.0, meeting + f64::from(u8::from(meets)));
+        // A short period may hold long elements, which end nevertheless.
+        let is_open = meets || element.clipped || !library.arrangement.periodic;
+        let bounds = vtex_scene::element::bounds(&element.shapes);
+        if is_open && bounds.width().max(bounds.height()) > largest {
+            long += area;
+        }
+    }
+    long > LONG * all || lines > SHORT * all && meeting > MEET * count
 }
 
 /// Whether a library is a drawing of cells that come in an order of their own.

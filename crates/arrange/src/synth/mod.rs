@@ -276,8 +276,12 @@ fn method(libraries: &[Library], params: &SynthParams, controls: &Controls) -> R
         // Lines go on from what is drawn, other elements fit to it.
         Method::Auto if controls.context.is_some() => {
             let with = |method| SynthParams { method, ..params.clone() };
-            let of_lines = method(libraries, &with(Method::Curves), controls);
-            of_lines.or_else(|_| method(libraries, &with(Method::Clustered), controls))
+            let made = |name| method(libraries, &with(name), controls);
+            #[cfg(feature = "curves")]
+            if libraries.iter().any(curves::runs_on) {
+                return made(Method::Curves).or_else(|_| made(Method::Clustered));
+            }
+            made(Method::Clustered).or_else(|_| made(Method::Curves))
         }
         other if controls.context.is_some() && !matches!(other, Method::Curves | Method::Clustered) => {
             Err(Error::Parameter {

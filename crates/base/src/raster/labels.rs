@@ -67,10 +67,27 @@ impl LabelMap {
 
     /// Whether pixels of two different labels above 0 lie side by side.
     pub fn any_touch(&self) -> bool {
-        let differ = |a: u32, b: u32| a > 0 && b > 0 && a != b;
-        let rows = || (0..self.height).map(|y| self.row(y));
-        let beside = rows().any(|row| row.windows(2).any(|w| differ(w[0], w[1])));
-        beside || rows().zip(rows().skip(1)).any(|(a, b)| a.iter().zip(b).any(|(a, b)| differ(*a, *b)))
+        self.touching().contains(&true)
+    }
+
+    /// For each label whether a pixel of it lies beside one of another label above 0. Label 0 touches none.
+    pub fn touching(&self) -> Vec<bool> {
+        let largest = self.labels.iter().copied().max().unwrap_or(0);
+        let mut touching = vec![false; largest as usize + 1];
+        let mut compare = |a: u32, b: u32| {
+            if a > 0 && b > 0 && a != b {
+                touching[a as usize] = true;
+                touching[b as usize] = true;
+            }
+        };
+        for y in 0..self.height {
+            let row = self.row(y);
+            row.windows(2).for_each(|w| compare(w[0], w[1]));
+            if y > 0 {
+                self.row(y - 1).iter().zip(row).for_each(|(a, b)| compare(*a, *b));
+            }
+        }
+        touching
     }
 
     /// Index of a pixel in [`LabelMap::labels`].
