@@ -1,7 +1,7 @@
 //! Elements on the canvas, one by one: which are near, and which clash.
 
 use crate::relations::PlaceRelations;
-use crate::standing::StandingElement;
+use crate::standing::{StandingElement, StandingElements};
 use std::cmp::Reverse;
 use vtex_base::geometry::plane::{PeriodicPlane, PointIndex, length};
 use vtex_base::parallel;
@@ -32,6 +32,8 @@ pub(crate) struct Board<'a> {
     largest: f64,
     /// Sum of the areas of all elements, in pixels.
     pub(crate) area: f64,
+    /// Whether elements are made in the region alone, and not around it.
+    within_region: bool,
 }
 
 impl<'a> Board<'a> {
@@ -39,7 +41,8 @@ impl<'a> Board<'a> {
         let cells = plane.size.map(|v| (v / relations.spacing.max(1e-6)).clamp(1.0, MOST_CELLS) as usize);
         let largest = relations.reach.iter().copied().fold(0.0, f64::max);
         let lists = vec![Vec::new(); cells[0] * cells[1]];
-        let mut made = Self { plane, relations, elements: Vec::new(), cells, lists, largest, area: 0.0 };
+        let (elements, area, within_region) = (Vec::new(), 0.0, false);
+        let mut made = Self { plane, relations, elements, cells, lists, largest, area, within_region };
         let first = relations.exemplar.places.len() as u32;
         for (e, place) in relations.standing_elements().iter().zip(first..) {
             made.add(BoardElement { place, at: e.at });
@@ -91,9 +94,31 @@ impl<'a> Board<'a> {
         self.relations.figure(place)
     }
 
+    /// Whether elements are made about a place.
+    pub(crate) fn is_free(&self, at: [f64; 2]) -> bool {
+        let here = |s: &StandingElements| if self.within_region { s.is_inside(at) } else { s.is_free(at) };
+        self.relations.standing.as_ref().is_none_or(here)
+    }
+
     /// Whether an element may be made at a place.
     pub(crate) fn is_open(&self, at: [f64; 2]) -> bool {
-        self.relations.standing.as_ref().is_none_or(|s| s.is_open(at))
+        self.is_free(at) && self.relations.standing.as_ref().is_none_or(|s| !s.is_taken(at))
+    }
+
+    /// Area in which elements are made.
+    pub(crate) fn free_area(&self) -> f64 {
+        let area = |s: &StandingElements| if self.within_region { s.inside_area } else { s.free_area };
+        self.relations.standing.as_ref().map_or(self.plane.area(), area)
+    }
+
+    /// Removes the elements that were made around a region, and lets none be made there.
+    pub(crate) fn keep_region(&mut self) {
+        self.within_region = true;
+        for id in self.given()..self.elements.len() {
+            if self.elements[id].is_some_and(|e| !self.is_free(e.at)) {
+                self.remove(id);
+            }
+        }
     }
 
     fn cell(&self, p: [f64; 2]) -> usize {
@@ -186,7 +211,7 @@ impl<'a> Board<'a> {
     }
 
     /// Whether an element may be made where it is, and would clash with no other.
-    pub(crate) fn is_free(&self, element: BoardElement) -> bool {
+    pub(crate) fn fits(&self, element: BoardElement) -> bool {
         let figure = self.figure(element.place);
         self.is_open(element.at)
             && self

@@ -389,9 +389,7 @@ impl OpenPoints {
         let count = block.size.map(|v| libm::ceil(v / GRID) as usize);
         let grid = (0..count[0] * count[1]).map(|k| [k % count[0], k / count[0]].map(|v| GRID * v as f64));
         let mut points = far_from(board, block, near, grid.collect());
-        if let Some(standing) = &relations.standing {
-            points.retain(|p| standing.is_free([block.low[0] + p[0], block.low[1] + p[1]]));
-        }
+        points.retain(|p| board.is_free([block.low[0] + p[0], block.low[1] + p[1]]));
         Self { points, all: count[0] * count[1] }
     }
 

@@ -53,6 +53,22 @@ pub(crate) fn mend(board: &mut Board<'_>, seed: u64, go_on: &dyn Fn() -> Result<
     Ok(counts)
 }
 
+/// Fills a region beside elements that stand up to the exemplar's area, without what was made around it.
+///
+/// # Errors
+/// Those of `go_on`.
+pub(crate) fn complete(
+    board: &mut Board<'_>,
+    seed: u64,
+    go_on: &dyn Fn() -> Result<()>,
+) -> Result<MendCounts> {
+    let mut counts = MendCounts::default();
+    board.keep_region();
+    fill(board, &mut counts, go_on)?;
+    scatter(board, seed, &mut counts, go_on)?;
+    Ok(counts)
+}
+
 fn worst(board: &Board<'_>, id: usize) -> f64 {
     let Some(element) = board.elements[id] else { return 0.0 };
     board.clashes(element, Some(id)).iter().map(|c| c.1).sum()
@@ -152,10 +168,9 @@ fn remove_clashing(
 fn wanted(board: &Board<'_>) -> f64 {
     let relations = board.relations;
     let all: f64 = relations.exemplar.places.iter().map(|p| f64::from(relations.area(p.figure))).sum();
-    let per_area = all / relations.exemplar.page.area();
-    let Some(standing) = &relations.standing else { return per_area * board.plane.area() };
-    let beside = standing.elements.iter().filter(|e| !standing.is_free(e.at));
-    per_area * standing.free_area + beside.map(|e| f64::from(relations.area(e.figure))).sum::<f64>()
+    let beside = relations.standing_elements().iter().filter(|e| !board.is_free(e.at));
+    let standing: f64 = beside.map(|e| f64::from(relations.area(e.figure))).sum();
+    all * board.free_area() / relations.exemplar.page.area() + standing
 }
 
 /// Covered area as a share of the exemplar's.
@@ -171,7 +186,7 @@ fn fill(board: &mut Board<'_>, counts: &mut MendCounts, go_on: &dyn Fn() -> Resu
     }
     let mut queue: BinaryHeap<(i64, Reverse<u32>, [i64; 2])> = BinaryHeap::new();
     let rank = |board: &Board<'_>, element: BoardElement| -> Option<i64> {
-        if !board.is_free(element) {
+        if !board.fits(element) {
             return None;
         }
         let fit = board.support(element, None);
@@ -239,8 +254,7 @@ fn scatter(
         let at = board.plane.size.map(|side| random.range(0.0, side));
         let element = BoardElement { place, at };
         let size = f64::from(board.relations.area(board.figure(place)));
-        if board.area + 0.5 * size <= wanted && board.is_free(element) && board.twins(element, None) < BESIDE
-        {
+        if board.area + 0.5 * size <= wanted && board.fits(element) && board.twins(element, None) < BESIDE {
             board.add(element);
             counts.added += 1;
         }

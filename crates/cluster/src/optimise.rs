@@ -7,7 +7,7 @@ use crate::existence::add_missing;
 use crate::figures::ClusterExemplar;
 use crate::initial::{blocks, copy, is_regular};
 use crate::input::{InputSamples, LevelScale};
-use crate::mend::{MendCounts, fullness, mend};
+use crate::mend::{MendCounts, complete, fullness, mend};
 use crate::output::OutputSamples;
 use crate::positions::improve_positions;
 use crate::rebuild::{rebuilt, sampled};
@@ -203,6 +203,12 @@ fn arranged(
         levels.push(report);
         last = Some((output, votes, of_cluster, scale.distance));
     }
+    if standing.is_some() {
+        let completed = complete(&mut board, params.seed, go_on)?;
+        if let Some(level) = levels.last_mut() {
+            level.mended.added += completed.added;
+        }
+    }
     if let Some(level) = levels.first_mut() {
         level.mended.moved += first.moved;
         level.mended.removed += first.removed;
@@ -210,9 +216,7 @@ fn arranged(
     }
     let order = painting_order(&board, last.as_ref(), params, go_on)?;
     let copies = scene.places.len() / own.places.len();
-    let is_shown = |e: &BoardElement| {
-        standing.is_none_or(|s| (e.place as usize) < scene.places.len() && s.is_inside(e.at))
-    };
+    let is_shown = |e: &BoardElement| (e.place as usize) < scene.places.len();
     let elements = order
         .into_iter()
         .filter(is_shown)

@@ -83,8 +83,9 @@ pub(crate) struct StandingElements {
     middles: PointIndex,
     spots: PointIndex,
     spacing: f64,
-    /// Area of the window in which elements are made.
+    /// Areas of the window in which elements are made, and of the region.
     pub(crate) free_area: f64,
+    pub(crate) inside_area: f64,
     /// The way from the window to the part of the exemplar that is copied.
     pub(crate) copied: Option<[f64; 2]>,
 }
@@ -127,20 +128,23 @@ impl StandingElements {
             spots: PointIndex::new(plane, spacing, &spots),
             spacing,
             free_area: 0.0,
+            inside_area: 0.0,
             copied: copied.map(|way| [way.x + low[0], way.y + low[1]]),
         };
-        made.free_area = made.measured_area();
+        made.free_area = made.area_of(|at| made.is_free(at));
+        made.inside_area = made.area_of(|at| made.is_inside(at));
         made
     }
 
-    fn measured_area(&self) -> f64 {
+    /// Area of the window whose places satisfy a condition.
+    fn area_of(&self, condition: impl Fn([f64; 2]) -> bool + Sync) -> f64 {
         let step = GRID * self.spacing;
         let count = self.plane.size.map(|side| libm::ceil(side / step).clamp(1.0, MOST_CELLS));
         let rows: Vec<usize> = (0..count[1] as usize).collect();
         let in_row = parallel::map(&rows, |row| {
             let y = (*row as f64 + 0.5) * self.plane.size[1] / count[1];
             let at = |column: usize| [(column as f64 + 0.5) * self.plane.size[0] / count[0], y];
-            (0..count[0] as usize).filter(|c| self.is_free(at(*c))).count()
+            (0..count[0] as usize).filter(|c| condition(at(*c))).count()
         });
         in_row.into_iter().sum::<usize>() as f64 / (count[0] * count[1]) * self.plane.area()
     }
@@ -155,9 +159,9 @@ impl StandingElements {
         is_on(self.plane, at) && (self.is_inside(at) || !self.spots.any(at, BESIDE * self.spacing))
     }
 
-    /// Whether an element may be made at a place: where none stands already.
-    pub(crate) fn is_open(&self, at: [f64; 2]) -> bool {
-        self.is_free(at) && !self.middles.any(at, SAME * self.spacing)
+    /// Whether an element stands so near to a place that another one there would be the same.
+    pub(crate) fn is_taken(&self, at: [f64; 2]) -> bool {
+        self.middles.any(at, SAME * self.spacing)
     }
 }
 
