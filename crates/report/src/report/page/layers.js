@@ -12,20 +12,25 @@ const LAYERS = [
   ["motifs", "Motifs"],
 ];
 
-// An SVG taken apart: how it begins, its definitions line by line, and its layers.
+// An SVG taken apart: how it begins, its definitions line by line, and its layers. Layers with names of their own, as those
+// of drawings, are with the primaries.
 function partsOf(text) {
   const begin = text.indexOf(">", text.indexOf("<svg")) + 1;
   const [from, to] = [text.indexOf("<defs>"), text.indexOf("</defs>")];
-  const starts = ["background", "secondary", "primary"].map((key) => [key, text.indexOf(`<g id="${key}"`)]);
+  const marks = [...text.matchAll(/<g id="([^"]*)" inkscape:groupmode="layer"/g)];
+  // Groups that clip several layers hold nothing else.
+  const starts = marks.filter(([, id]) => !/^inside(-\d+)?$/.test(id));
   const layers = {};
-  starts.forEach(([key, start], i) => {
-    let layer = text.slice(start, starts[i + 1]?.[1] ?? text.lastIndexOf("</svg>"));
+  starts.forEach(({ 1: id, index }) => {
+    const next = marks.find((mark) => mark.index > index)?.index ?? text.lastIndexOf("</svg>");
+    const key = ["background", "secondary"].includes(id) ? id : "primary";
+    let layer = text.slice(index, next);
     // What ends a group around several layers is not of this one.
     const count = (mark) => (layer.match(mark) ?? []).length;
     for (let more = count(/<\/g>/g) - count(/<g[ >]/g); more > 0; more--) {
       layer = layer.slice(0, layer.lastIndexOf("</g>"));
     }
-    layers[key] = layer;
+    layers[key] = (layers[key] ?? "") + layer;
   });
   return { begin: text.slice(0, begin), definitions: text.slice(from + 6, to).split("\n"), layers };
 }
