@@ -3,6 +3,7 @@
 use crate::relations::PlaceRelations;
 use crate::standing::{StandingElement, StandingElements};
 use std::cmp::Reverse;
+use vtex_base::error::Result;
 use vtex_base::geometry::plane::{PeriodicPlane, PointIndex, length};
 use vtex_base::parallel;
 
@@ -19,6 +20,8 @@ pub(crate) struct BoardElement {
 const ABOUT: f64 = 0.1;
 /// Difference of offsets that are the same.
 pub(crate) const SAME_OFFSET: f64 = 2.0;
+/// Elements that stand, compared between two questions whether to go on.
+const AT_ONCE: usize = 64;
 /// Most cells along an axis.
 const MOST_CELLS: f64 = 512.0;
 
@@ -57,10 +60,13 @@ impl<'a> Board<'a> {
 
     /// For each element that stands the place of the exemplar with its figure, or the one like it, whose neighbours are
     /// the most like its own; of about equally good ones that which lies from it as those of most other elements do.
-    pub(crate) fn like_places(&self) -> Vec<u32> {
+    ///
+    /// # Errors
+    /// Those of `go_on`.
+    pub(crate) fn like_places(&self, go_on: &dyn Fn() -> Result<()>) -> Result<Vec<u32>> {
         let (standing, places) = (self.relations.standing_elements(), &self.relations.exemplar.places);
         let all: Vec<usize> = (0..standing.len()).collect();
-        let good = parallel::map(&all, |&id| {
+        let good_places = |&id: &usize| {
             let StandingElement { figure, like, at } = standing[id];
             let of = |figure: u32| (0..places.len()).filter(move |k| places[*k].figure == figure);
             let known = if of(figure).next().is_some() { figure } else { like };
@@ -68,7 +74,12 @@ impl<'a> Board<'a> {
             let fits: Vec<(f64, usize)> = of(known).map(fit).collect();
             let best = fits.iter().map(|f| f.0).fold(f64::NEG_INFINITY, f64::max);
             fits.into_iter().filter(|f| f.0 >= best - ABOUT).map(|f| f.1).collect::<Vec<usize>>()
-        });
+        };
+        let mut good = Vec::with_capacity(all.len());
+        for some in all.chunks(AT_ONCE) {
+            go_on()?;
+            good.extend(parallel::map(some, good_places));
+        }
         let page = self.relations.exemplar.page;
         let offset = |id: usize, k: usize| {
             let (at, from) = (standing[id].at, places[k].at);
@@ -78,7 +89,7 @@ impl<'a> Board<'a> {
             |(id, good): (usize, &Vec<usize>)| good.iter().map(|k| offset(id, *k)).collect::<Vec<_>>();
         let offsets: Vec<[f64; 2]> = good.iter().enumerate().flat_map(of_all).collect();
         let index = PointIndex::new(page, SAME_OFFSET, &offsets);
-        parallel::map(&all, |&id| {
+        Ok(parallel::map(&all, |&id| {
             let votes = |k: usize| {
                 let mut count = 0u32;
                 index.within(offset(id, k), SAME_OFFSET, |_, _| count += 1);
@@ -86,7 +97,7 @@ impl<'a> Board<'a> {
             };
             let most = good[id].iter().map(|k| (votes(*k), *k)).max_by_key(|v| (v.0, Reverse(v.1)));
             most.map_or(0, |v| v.1 as u32)
-        })
+        }))
     }
 
     /// The figure of a place.

@@ -75,29 +75,66 @@ pub(crate) fn blocks<'a>(
     go_on: &dyn Fn() -> Result<()>,
 ) -> Result<Board<'a>> {
     let mut board = Board::new(plane, relations);
-    let page = relations.exemplar.page;
-    // A block holds a few elements, and less than the page.
-    let side = (BLOCK * 400.0).max(1.6 * relations.spacing);
-    let most = [0, 1].map(|k| if page.wraps[k] { 0.9 * page.size[k] } else { 0.6 * page.size[k] });
-    let count = [0, 1].map(|k| libm::ceil(plane.size[k] / side.min(most[k])).max(1.0) as usize);
-    let size = [0, 1].map(|k| plane.size[k] / count[k] as f64);
+    let grid = BlockGrid::new(relations, plane);
     let mut offsets: Vec<[f64; 2]> = Vec::new();
-    for j in 0..count[1] {
-        for i in 0..count[0] {
-            go_on()?;
-            let block = CanvasBlock { low: [i as f64 * size[0], j as f64 * size[1]], size };
-            let mut random = stream(seed, "cluster/blocks", offsets.len() as u64);
-            let beside = [(i > 0).then(|| offsets.len() - 1), (j > 0).then(|| offsets.len() - count[0])];
-            let mut going_on: Vec<[f64; 2]> = beside.into_iter().flatten().map(|k| offsets[k]).collect();
-            going_on.extend(from_standing(&board, block));
-            let offset = choose(&board, block, &going_on, (variation, &mut random), go_on)?;
-            for element in open_contents(&board, block, offset) {
-                board.add(element);
-            }
-            offsets.push(offset);
-        }
+    for (i, j) in grid.places() {
+        go_on()?;
+        let block = grid.block(i, j);
+        let mut random = stream(seed, "cluster/blocks", offsets.len() as u64);
+        let beside = [(i > 0).then(|| offsets.len() - 1), (j > 0).then(|| offsets.len() - grid.count[0])];
+        let mut going_on: Vec<[f64; 2]> = beside.into_iter().flatten().map(|k| offsets[k]).collect();
+        going_on.extend(from_standing(&board, block));
+        let offset = choose(&board, block, &going_on, (variation, &mut random), go_on)?;
+        fill(&mut board, block, offset);
+        offsets.push(offset);
     }
     Ok(board)
+}
+
+/// Fills a canvas with the exemplar moved by one offset.
+pub(crate) fn copy<'a>(
+    relations: &'a PlaceRelations<'a>,
+    plane: PeriodicPlane,
+    offset: [f64; 2],
+) -> Board<'a> {
+    let mut board = Board::new(plane, relations);
+    let grid = BlockGrid::new(relations, plane);
+    grid.places().for_each(|(i, j)| fill(&mut board, grid.block(i, j), offset));
+    board
+}
+
+/// The blocks of a canvas, in rows.
+struct BlockGrid {
+    count: [usize; 2],
+    size: [f64; 2],
+}
+
+impl BlockGrid {
+    /// Blocks that hold a few elements each, and less than the page.
+    fn new(relations: &PlaceRelations<'_>, plane: PeriodicPlane) -> Self {
+        let page = relations.exemplar.page;
+        let side = (BLOCK * 400.0).max(1.6 * relations.spacing);
+        let most = [0, 1].map(|k| if page.wraps[k] { 0.9 * page.size[k] } else { 0.6 * page.size[k] });
+        let count = [0, 1].map(|k| libm::ceil(plane.size[k] / side.min(most[k])).max(1.0) as usize);
+        Self { count, size: [0, 1].map(|k| plane.size[k] / count[k] as f64) }
+    }
+
+    /// Column and row of each block, row by row.
+    fn places(&self) -> impl Iterator<Item = (usize, usize)> + use<> {
+        let [columns, rows] = self.count;
+        (0..rows).flat_map(move |j| (0..columns).map(move |i| (i, j)))
+    }
+
+    fn block(&self, i: usize, j: usize) -> CanvasBlock {
+        CanvasBlock { low: [i as f64 * self.size[0], j as f64 * self.size[1]], size: self.size }
+    }
+}
+
+/// Adds the elements of a block that may be made.
+fn fill(board: &mut Board<'_>, block: CanvasBlock, offset: [f64; 2]) {
+    for element in open_contents(board, block, offset) {
+        board.add(element);
+    }
 }
 
 /// Number of elements of a period below which they are a lattice.
@@ -146,26 +183,6 @@ pub(crate) fn is_regular(relations: &PlaceRelations<'_>, period: PeriodicPlane) 
         let some: Vec<usize> = (0..places.len()).step_by(places.len().div_ceil(LOOKED_AT)).collect();
         some.iter().map(|k| misfit(*k)).sum::<f64>() <= REGULAR * some.len() as f64
     })
-}
-
-/// The part of the exemplar that a context asks for, where elements may be made.
-pub(crate) fn copy<'a>(relations: &'a PlaceRelations<'a>, plane: PeriodicPlane, by: [f64; 2]) -> Board<'a> {
-    let mut board = Board::new(plane, relations);
-    let page = relations.exemplar.page;
-    for (place, p) in relations.exemplar.places.iter().enumerate().filter(|p| p.1.placeable) {
-        // All copies on the window of a page that repeats.
-        let first =
-            [0, 1].map(|k| if page.wraps[k] { libm::ceil((by[k] - p.at[k]) / page.size[k]) } else { 0.0 });
-        let steps =
-            [0, 1].map(|k| if page.wraps[k] { libm::ceil(plane.size[k] / page.size[k]) as usize } else { 1 });
-        for (i, j) in (0..steps[1]).flat_map(|j| (0..steps[0]).map(move |i| (i, j))) {
-            let at = [0, 1].map(|k| p.at[k] - by[k] + (first[k] + [i, j][k] as f64) * page.size[k]);
-            if board.is_open(at) {
-                board.add(BoardElement { place: place as u32, at });
-            }
-        }
-    }
-    board
 }
 
 /// The elements of a block that may be made.

@@ -157,7 +157,8 @@ fn arranged(
     }
     let unit = SIDE / (0.5 * (exemplar.page.size[0] + exemplar.page.size[1]));
     let mut own = exemplar.scaled(unit);
-    let drawn = context.map(|context| recognised(&context.drawing.scaled(unit), &mut own));
+    let drawn =
+        context.map(|context| recognised(&context.drawing.scaled(unit), &mut own, go_on)).transpose()?;
     let extent = own.figures.iter().map(|f| {
         let b = f.bounds();
         [b.x0, b.y0, b.x1, b.y1].into_iter().fold(0.0, |m: f64, v| m.max(v.abs()))
@@ -174,11 +175,10 @@ fn arranged(
         let around = largest + AROUND * LEVELS[0].radius * SIDE;
         let on_canvas = (params.size, unit, around);
         let standing = StandingElements::new(context, drawn, &relations, on_canvas);
-        relations = relations.beside(standing);
-        go_on()?;
+        relations = relations.beside(standing, go_on)?;
     }
     let standing = relations.standing.as_ref();
-    let plane = standing.map_or_else(|| canvas(&own, params, unit, largest), |s| s.plane);
+    let plane = standing.map_or_else(|| canvas(&own, params, unit, largest), |s| s.window.plane);
     let shown = |at: [f64; 2]| shown(at, (plane, standing), params, unit);
     let (mut board, first) = first_arrangement(&relations, plane, (own.page, params), go_on)?;
     let mut levels = Vec::new();
@@ -232,7 +232,7 @@ fn shown(
     unit: f64,
 ) -> [f64; 2] {
     if let Some(standing) = standing {
-        return [0, 1].map(|k| (at[k] + standing.low[k]) / unit);
+        return [0, 1].map(|k| (at[k] + standing.window.low[k]) / unit);
     }
     std::array::from_fn(|k| {
         let size = params.size[k] * unit;
@@ -252,7 +252,7 @@ fn first_arrangement<'a>(
     let variation = if is_regular(relations, period) { STRICT * params.variation } else { params.variation };
     go_on()?;
     if let Some(by) = relations.standing.as_ref().and_then(|s| s.copied) {
-        let mut board = copy(relations, plane, by);
+        let mut board = copy(relations, plane, by.map(|v| -v));
         let counts = mend(&mut board, params.seed, go_on)?;
         return Ok((board, counts));
     }

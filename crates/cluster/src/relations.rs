@@ -166,14 +166,21 @@ impl<'a> PlaceRelations<'a> {
     }
 
     /// The relations beside elements that stand.
-    pub(crate) fn beside(mut self, standing: StandingElements) -> Self {
-        let plane = standing.plane;
+    ///
+    /// # Errors
+    /// Those of `go_on`.
+    pub(crate) fn beside(
+        mut self,
+        standing: StandingElements,
+        go_on: &dyn Fn() -> Result<()>,
+    ) -> Result<Self> {
+        let plane = standing.window.plane;
         self.standing = Some(standing);
-        let like = Board::new(plane, &self).like_places();
+        let like = Board::new(plane, &self).like_places(go_on)?;
         let neighbours: Vec<_> = like.iter().map(|k| self.partners[*k as usize].clone()).collect();
         self.partners.extend(neighbours);
         self.like = like;
-        self
+        Ok(self)
     }
 
     /// The elements that stand.

@@ -6,10 +6,11 @@
 //! end, so that its border leaves no trace in them.
 
 use crate::figures::{ClusterExemplar, Figure, FigurePlace};
-use crate::raster::pixels;
+use crate::raster::{FigurePixels, pixels};
 use crate::relations::PlaceRelations;
-use vtex_base::geometry::plane::{PeriodicPlane, PointIndex, length};
-use vtex_base::geometry::{Affine, Interior, Outline, Point};
+use vtex_base::error::Result;
+use vtex_base::geometry::plane::{PointIndex, length};
+use vtex_base::geometry::{Affine, Outline, RegionWindow};
 use vtex_base::parallel;
 
 /// Distance from standing elements within which, outside of the region, nothing is made, in spacings.
@@ -22,8 +23,8 @@ const ALIKE: f64 = 0.06;
 const OTHER_COLOUR: f64 = 0.25;
 /// Grid on which the area to be filled is measured, in spacings.
 const GRID: f64 = 0.1;
-/// Most cells of that grid along an axis.
-const MOST_CELLS: f64 = 1000.0;
+/// Figures recognised between two questions whether to go on.
+const AT_ONCE: usize = 64;
 
 /// Elements that stand already on the canvas, and the region to be filled beside them.
 #[derive(Clone, Debug)]
@@ -50,8 +51,20 @@ pub(crate) struct StandingElement {
 
 /// The elements of a drawing, with figures of the exemplar, to which those are added that it does not have. Both have
 /// the lengths of the optimiser.
-pub(crate) fn recognised(drawing: &ClusterExemplar, exemplar: &mut ClusterExemplar) -> Vec<StandingElement> {
-    let like = parallel::map(&drawing.figures, |figure| most_like(figure, &exemplar.figures));
+///
+/// # Errors
+/// Those of `go_on`.
+pub(crate) fn recognised(
+    drawing: &ClusterExemplar,
+    exemplar: &mut ClusterExemplar,
+    go_on: &dyn Fn() -> Result<()>,
+) -> Result<Vec<StandingElement>> {
+    let looks = parallel::map(&exemplar.figures, FigureLook::of);
+    let mut like = Vec::with_capacity(drawing.figures.len());
+    for some in drawing.figures.chunks(AT_ONCE) {
+        go_on()?;
+        like.extend(parallel::map(some, |figure| FigureLook::of(figure).most_like(&looks)));
+    }
     let mut figures = Vec::with_capacity(like.len());
     for (figure, &(like, unlike)) in drawing.figures.iter().zip(&like) {
         if unlike <= ALIKE {
@@ -66,19 +79,46 @@ pub(crate) fn recognised(drawing: &ClusterExemplar, exemplar: &mut ClusterExempl
         let drawn = place.figure as usize;
         StandingElement { figure: figures[drawn], like: like[drawn].0, at: place.at }
     };
-    drawing.places.iter().map(of).collect()
+    Ok(drawing.places.iter().map(of).collect())
+}
+
+/// What a figure is recognised by.
+struct FigureLook {
+    pixels: FigurePixels,
+    colour: [f64; 3],
+}
+
+impl FigureLook {
+    fn of(figure: &Figure) -> Self {
+        let [pixels, _] = pixels(figure, 0.0);
+        Self { pixels, colour: figure.colour }
+    }
+
+    /// The number of the look that is the most like this one, the first of equals, and how unlike it is: 0 for an equal one.
+    fn most_like(&self, others: &[Self]) -> (u32, f64) {
+        let mut best = (0, f64::INFINITY);
+        for (other, k) in others.iter().zip(0..) {
+            let [a, b] = [self.colour, other.colour];
+            let colour = length([a[0] - b[0], length([a[1] - b[1], a[2] - b[2]])]) / OTHER_COLOUR;
+            let (own, there) = (&self.pixels, &other.pixels);
+            let both = f64::from(own.area + there.area).max(1.0);
+            let unlike = |shared: u32| 1.0 - 2.0 * f64::from(shared) / both + colour;
+            // They cannot share more than the smaller one has.
+            if unlike(own.area.min(there.area)) < best.1 {
+                let found = unlike(own.overlap(there, [0; 2]));
+                best = if found < best.1 { (k, found) } else { best };
+            }
+        }
+        best
+    }
 }
 
 /// A context on the window that is synthesised. Lengths are those of the optimiser.
 #[derive(Debug)]
 pub(crate) struct StandingElements {
-    pub(crate) plane: PeriodicPlane,
-    /// The corner of the window on the canvas.
-    pub(crate) low: [f64; 2],
+    pub(crate) window: RegionWindow,
     /// The elements on the window.
     pub(crate) elements: Vec<StandingElement>,
-    region: Interior,
-    canvas: [f64; 2],
     /// Reference points of the elements, and points of their figures.
     middles: PointIndex,
     spots: PointIndex,
@@ -99,19 +139,12 @@ impl StandingElements {
         relations: &PlaceRelations<'_>,
         (canvas, unit, around): ([f64; 2], f64, f64),
     ) -> Self {
-        let canvas = canvas.map(|side| side * unit);
         let scaled = |outline: &Outline| outline.moved(Affine::scale(unit));
-        let region = scaled(&context.region);
-        let bounds = region.bounds();
-        let ends = [[bounds.x0, bounds.x1], [bounds.y0, bounds.y1]];
-        let corner = |end: usize, by: f64| [0, 1].map(|k| ends[k][end].clamp(0.0, canvas[k]) + by);
-        let (low, high) = (corner(0, -around), corner(1, around));
-        let plane = PeriodicPlane { size: [high[0] - low[0], high[1] - low[1]], wraps: [false; 2] };
+        let window = RegionWindow::new(&scaled(&context.region), canvas.map(|side| side * unit), around);
+        let low = window.low;
         let moved = |e: StandingElement| StandingElement { at: [e.at[0] - low[0], e.at[1] - low[1]], ..e };
         let elements: Vec<StandingElement> =
-            drawn.into_iter().map(moved).filter(|e| is_on(plane, e.at)).collect();
-        let middle = |of: &Outline| of.bounds().center().to_vec2();
-        let copied = context.source.as_ref().map(|source| middle(&scaled(source)) - middle(&region));
+            drawn.into_iter().map(moved).filter(|e| window.holds(e.at)).collect();
         let middles: Vec<[f64; 2]> = elements.iter().map(|e| e.at).collect();
         let mut spots = Vec::new();
         for e in &elements {
@@ -119,68 +152,33 @@ impl StandingElements {
         }
         let spacing = relations.spacing;
         let mut made = Self {
-            plane,
-            low,
             elements,
-            region: Interior::new(&region),
-            canvas,
-            middles: PointIndex::new(plane, spacing, &middles),
-            spots: PointIndex::new(plane, spacing, &spots),
+            middles: PointIndex::new(window.plane, spacing, &middles),
+            spots: PointIndex::new(window.plane, spacing, &spots),
             spacing,
             free_area: 0.0,
             inside_area: 0.0,
-            copied: copied.map(|way| [way.x + low[0], way.y + low[1]]),
+            copied: context.source.as_ref().map(|source| window.way_to(&scaled(source))),
+            window,
         };
-        made.free_area = made.area_of(|at| made.is_free(at));
-        made.inside_area = made.area_of(|at| made.is_inside(at));
+        let step = GRID * spacing;
+        made.free_area = made.window.area_of(step, |at| made.is_free(at));
+        made.inside_area = made.window.area_of(step, |at| made.is_inside(at));
         made
     }
 
-    /// Area of the window whose places satisfy a condition.
-    fn area_of(&self, condition: impl Fn([f64; 2]) -> bool + Sync) -> f64 {
-        let step = GRID * self.spacing;
-        let count = self.plane.size.map(|side| libm::ceil(side / step).clamp(1.0, MOST_CELLS));
-        let rows: Vec<usize> = (0..count[1] as usize).collect();
-        let in_row = parallel::map(&rows, |row| {
-            let y = (*row as f64 + 0.5) * self.plane.size[1] / count[1];
-            let at = |column: usize| [(column as f64 + 0.5) * self.plane.size[0] / count[0], y];
-            (0..count[0] as usize).filter(|c| condition(at(*c))).count()
-        });
-        in_row.into_iter().sum::<usize>() as f64 / (count[0] * count[1]) * self.plane.area()
-    }
-
-    /// Whether a place of the window lies in the region. What lies beyond the canvas counts as the nearest place on it.
+    /// Whether a place of the window lies in the region.
     pub(crate) fn is_inside(&self, at: [f64; 2]) -> bool {
-        self.region.contains_on(self.canvas, Point::new(at[0] + self.low[0], at[1] + self.low[1]))
+        self.window.is_inside(at)
     }
 
     /// Whether elements are made at a place: in the region, and around it where none stands near.
     pub(crate) fn is_free(&self, at: [f64; 2]) -> bool {
-        is_on(self.plane, at) && (self.is_inside(at) || !self.spots.any(at, BESIDE * self.spacing))
+        self.window.holds(at) && (self.is_inside(at) || !self.spots.any(at, BESIDE * self.spacing))
     }
 
     /// Whether an element stands so near to a place that another one there would be the same.
     pub(crate) fn is_taken(&self, at: [f64; 2]) -> bool {
         self.middles.any(at, SAME * self.spacing)
     }
-}
-
-/// Whether a place lies on a plane that does not repeat.
-fn is_on(plane: PeriodicPlane, at: [f64; 2]) -> bool {
-    (0..2).all(|k| (0.0..=plane.size[k]).contains(&at[k]))
-}
-
-/// The figure that is the most like another, and how unlike it is: 0 for an equal one.
-fn most_like(figure: &Figure, of: &[Figure]) -> (u32, f64) {
-    let [own, _] = pixels(figure, 0.0);
-    let unlike = |other: &Figure| {
-        let [there, _] = pixels(other, 0.0);
-        let both = f64::from(own.area + there.area).max(1.0);
-        let shape = 1.0 - 2.0 * f64::from(own.overlap(&there, [0; 2])) / both;
-        let [a, b] = [figure.colour, other.colour];
-        let colour = length([a[0] - b[0], length([a[1] - b[1], a[2] - b[2]])]);
-        shape + colour / OTHER_COLOUR
-    };
-    let all = of.iter().zip(0..).map(|(other, k)| (k, unlike(other)));
-    all.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, f64::INFINITY))
 }

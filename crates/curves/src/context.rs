@@ -10,8 +10,8 @@ use crate::input::{CurveInput, CurveScale};
 use crate::output::{CurveOutput, JoinedEdge};
 use crate::search::{choose_sources, search};
 use vtex_base::error::Result;
-use vtex_base::geometry::plane::{PeriodicPlane, PointIndex};
-use vtex_base::geometry::{Interior, Outline, Point};
+use vtex_base::geometry::plane::PointIndex;
+use vtex_base::geometry::{Outline, RegionWindow};
 use vtex_base::parallel;
 
 /// Width of the window around the region, in radii of neighbourhoods.
@@ -43,12 +43,8 @@ pub struct CurveContext {
 
 /// A context on the window that is synthesised.
 pub(crate) struct GivenLines {
-    pub(crate) plane: PeriodicPlane,
-    /// The corner of the window on the canvas.
-    pub(crate) low: [f64; 2],
+    pub(crate) window: RegionWindow,
     lines: CurveGraph,
-    region: Interior,
-    canvas: [f64; 2],
     /// Points close to one another along the lines.
     along: PointIndex,
     beside: f64,
@@ -65,54 +61,33 @@ impl GivenLines {
         canvas: [f64; 2],
         (coarsest, finest): (CurveScale, f64),
     ) -> Self {
-        let bounds = context.region.bounds();
-        let around = AROUND * coarsest.radius;
-        let ends = [[bounds.x0, bounds.x1], [bounds.y0, bounds.y1]];
-        let [low, high] = [0, 1].map(|end| {
-            let away = if end == 0 { -around } else { around };
-            [0, 1].map(|k| ends[k][end].clamp(0.0, canvas[k]) + away)
-        });
-        let plane = PeriodicPlane { size: [high[0] - low[0], high[1] - low[1]], wraps: [false; 2] };
-        let lines = context.lines.placed(plane, [-low[0], -low[1]]);
-        let middle = |of: &Outline| of.bounds().center().to_vec2();
-        let copied = context.source.as_ref().map(|source| middle(source) - middle(&context.region));
+        let window = RegionWindow::new(&context.region, canvas, AROUND * coarsest.radius);
+        let lines = context.lines.placed(window.plane, window.low.map(|v| -v));
         let dense = lines.sampled(DENSE * finest);
-        let along: Vec<[f64; 2]> = dense.points.iter().copied().filter(|p| is_on(plane, *p)).collect();
+        let along: Vec<[f64; 2]> = dense.points.iter().copied().filter(|p| window.holds(*p)).collect();
         Self {
-            plane,
-            low,
             lines,
-            region: Interior::new(&context.region),
-            canvas,
-            along: PointIndex::new(plane, coarsest.radius, &along),
+            along: PointIndex::new(window.plane, coarsest.radius, &along),
             beside: BESIDE * coarsest.radius,
             finest,
-            copied: copied.map(|way| [way.x + low[0], way.y + low[1]]),
+            copied: context.source.as_ref().map(|source| window.way_to(source)),
+            window,
         }
     }
 
-    /// Whether a place of the window lies in the region. What lies beyond the canvas counts as the nearest place on it.
+    /// Whether a place of the window lies in the region.
     pub(crate) fn is_inside(&self, at: [f64; 2]) -> bool {
-        self.region.contains_on(self.canvas, Point::new(at[0] + self.low[0], at[1] + self.low[1]))
+        self.window.is_inside(at)
     }
 
     /// Whether a place lies in the region, on the canvas or up to `margin` beyond it.
     pub(crate) fn is_shown(&self, at: [f64; 2], margin: f64) -> bool {
-        self.is_near_canvas(at, margin) && self.is_inside(at)
-    }
-
-    /// Whether a place lies on the canvas.
-    pub(crate) fn is_on_canvas(&self, at: [f64; 2]) -> bool {
-        self.is_near_canvas(at, 0.0)
-    }
-
-    fn is_near_canvas(&self, at: [f64; 2], margin: f64) -> bool {
-        (0..2).all(|k| (-margin..=self.canvas[k] + margin).contains(&(at[k] + self.low[k])))
+        self.window.is_on_canvas(at, margin) && self.is_inside(at)
     }
 
     /// Whether curves are made at a place: in the region, and around it where no line is near.
     pub(crate) fn is_free(&self, at: [f64; 2]) -> bool {
-        is_on(self.plane, at) && (self.is_inside(at) || !self.along.any(at, self.beside))
+        self.window.holds(at) && (self.is_inside(at) || !self.along.any(at, self.beside))
     }
 
     /// Whether a line leads through a place.
@@ -123,14 +98,7 @@ impl GivenLines {
     /// Area of the window in which curves are made.
     pub(crate) fn free_area(&self, spacing: f64) -> f64 {
         let step = 0.5 * spacing;
-        let count = self.plane.size.map(|s| libm::ceil(s / step).max(1.0));
-        let rows: Vec<usize> = (0..count[1] as usize).collect();
-        let in_row = parallel::map(&rows, |row| {
-            let y = (*row as f64 + 0.5) * self.plane.size[1] / count[1];
-            let at = |column: usize| [(column as f64 + 0.5) * self.plane.size[0] / count[0], y];
-            (0..count[0] as usize).filter(|c| self.is_free(at(*c)) && !self.is_on_line(at(*c), step)).count()
-        });
-        in_row.into_iter().sum::<usize>() as f64 / (count[0] * count[1]) * self.plane.area()
+        self.window.area_of(step, |at| self.is_free(at) && !self.is_on_line(at, step))
     }
 
     /// The samples of the lines on a level, with the most similar samples of the exemplar.
@@ -141,7 +109,7 @@ impl GivenLines {
         let own = CurveInput::alone(&self.lines, input.scale);
         go_on()?;
         let chosen: Vec<u32> =
-            (0..own.len() as u32).filter(|s| is_on(self.plane, own.graph.points[*s as usize])).collect();
+            (0..own.len() as u32).filter(|s| self.window.holds(own.graph.points[*s as usize])).collect();
         let known = input.len().div_ceil(MOST_COMPARED).max(1);
         let others: Vec<u32> = (0..input.len() as u32).step_by(known).collect();
         let of_input = parallel::map(&others, |i| input.descriptor(*i as usize));
@@ -160,7 +128,7 @@ impl GivenLines {
             all.into_iter().take(CANDIDATES).map(|c| c.1).collect::<Vec<u32>>()
         });
         go_on()?;
-        let mut output = CurveOutput::new(self.plane);
+        let mut output = CurveOutput::new(self.window.plane);
         let mut number = vec![u32::MAX; own.len()];
         for (s, candidates) in chosen.iter().zip(&candidates) {
             let (s, source) = (*s as usize, candidates.first().copied().unwrap_or(0));
@@ -193,9 +161,4 @@ impl GivenLines {
         let leads = |t: &f64| self.is_inside([at[0] - t * self.finest * x, at[1] - t * self.finest * y]);
         AHEAD.iter().any(leads).then_some([-x, -y])
     }
-}
-
-/// Whether a place lies on a plane that does not repeat.
-fn is_on(plane: PeriodicPlane, at: [f64; 2]) -> bool {
-    (0..2).all(|k| (0.0..=plane.size[k]).contains(&at[k]))
 }

@@ -286,7 +286,7 @@ impl KnownPlaces<'_> {
     /// Whether it is known what is at a place.
     fn hold(&self, at: [f64; 2]) -> bool {
         if !self.lines.is_free(at) {
-            return self.lines.is_on_canvas(at);
+            return self.lines.window.is_on_canvas(at, 0.0);
         }
         let [i, j] = [0, 1].map(|k| ((at[k] / self.size[k]) as usize).min(self.count[k] - 1));
         self.patches[j * self.count[0] + i].offset.is_some()

@@ -181,9 +181,9 @@ pub fn curves_beside(
     let coarsest = scales.coarsest();
     let input = repeated(exemplar, 4.5 * coarsest.radius, scales.finest)?;
     let lines = GivenLines::new(context, params.size, (coarsest, scales.finest));
-    let used = scales.levels(lines.plane.area())?;
+    let used = scales.levels(lines.window.plane.area())?;
     let wanted = scales.density * lines.free_area(scales.spacing);
-    let task = CurveTask { input: &input, coarsest, plane: lines.plane, params, given: Some(&lines) };
+    let task = CurveTask { input: &input, coarsest, plane: lines.window.plane, params, given: Some(&lines) };
     let MadeCurves { output, samples, graph, mut result, .. } = task.made(used, wanted, go_on)?;
     let in_region = CurveMeasures::of_part(&output.graph(&samples, false), |p| lines.is_shown(p, 0.0));
     result.measures = [CurveMeasures::of(&samples.graph), in_region];
@@ -191,7 +191,7 @@ pub fn curves_beside(
     let ends: Vec<usize> = (0..output.given()).filter(|s| output.ahead[*s].is_some()).collect();
     result.continued = [ends.len(), ends.iter().filter(|s| is_continued(s)).count()];
     for (at, number) in output.elements(&samples).into_iter().filter(|e| lines.is_shown(e.0, 0.0)) {
-        let at = [at[0] + lines.low[0], at[1] + lines.low[1]];
+        let at = [at[0] + lines.window.low[0], at[1] + lines.window.low[1]];
         let element = samples.graph.elements[number].element;
         result.elements.push(PlacedCurveElement { at, element });
     }
@@ -199,7 +199,7 @@ pub fn curves_beside(
     result.curves = traced_beside(&graph, (&lines, &output.ahead), (margin, params.tolerance));
     // Levels are reported on the canvas.
     for level in &mut result.levels {
-        let moved = |p: &mut [f64; 2]| *p = [p[0] + lines.low[0], p[1] + lines.low[1]];
+        let moved = |p: &mut [f64; 2]| *p = [p[0] + lines.window.low[0], p[1] + lines.window.low[1]];
         level.output.iter_mut().for_each(|o| moved(&mut o.0));
         level.edges.iter_mut().for_each(|e| moved(&mut e[0]));
     }

@@ -61,7 +61,7 @@ pub(crate) fn traced_beside(
             };
             let shown = points.windows(2).filter(is_shown);
             let shown_length = shown.map(|w| libm::sqrt((w[1].at - w[0].at).hypot2())).sum();
-            points.iter_mut().for_each(|p| p.at += Vec2::new(lines.low[0], lines.low[1]));
+            points.iter_mut().for_each(|p| p.at += Vec2::new(lines.window.low[0], lines.window.low[1]));
             let points = if closed { from_corner(points) } else { points };
             TracedCurve { path: fitted(&points, closed, tolerance), style, shown_length }
         };

@@ -177,6 +177,12 @@ fn depth(document: &roxmltree::Document<'_>) -> usize {
     depths.into_iter().max().unwrap_or(0)
 }
 
+/// From a group to the page, given that from what is around it. The tree's own product, `abs_transform`, is wrong below
+/// `use` elements of symbols: it has their transforms twice.
+pub(crate) fn within(around: Affine, group: &usvg::Group) -> Affine {
+    around * affine(group.transform())
+}
+
 /// A transform of a tree.
 pub(crate) fn affine(t: Transform) -> Affine {
     Affine::new([t.sx, t.ky, t.kx, t.sy, t.tx, t.ty].map(f64::from))

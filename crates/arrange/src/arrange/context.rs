@@ -6,9 +6,9 @@ use vtex_base::geometry::{Affine, CurvePart, Interior, Outline, Point};
 use vtex_scene::element::{ElementId, Line, Shape};
 use vtex_scene::library::{ExemplarElement, ExemplarInstance, Library};
 
-/// A drawing that stays as it is, and the region to be filled so that it fits to it (*Continuous Curve Textures*, §2.3), with
-/// lines or with elements.
-/// The texture holds the drawing as the layer `drawn`, and what is made as the layer `predicted`.
+/// A drawing that stays as it is, and the region to be filled so that it fits to it, with lines or with elements
+/// (*Continuous Curve Textures*, §2.3). The texture holds the drawing as the layer `drawn`, and what is made as the layer
+/// `predicted`.
 #[derive(Clone, Debug)]
 pub struct DrawnContext {
     /// The drawing, in the units of the canvas, its page at the canvas's upper left corner.

@@ -24,6 +24,11 @@ use vtex_scene::scene::{Ablation, Element, Scene, SynthParams};
 /// may have of the area of all lines and larger elements.
 const LARGEST: f64 = 0.35;
 const STRAY: f64 = 0.02;
+/// Least share of the area that lines longer than [`LARGEST`] have in a drawing whose lines run on; and that lines have in
+/// one of short lines, of which most meet others.
+const LONG: f64 = 0.05;
+const SHORT: f64 = 0.5;
+const MEET: f64 = 0.8;
 /// Tolerance of curves, in widths of the thinnest line.
 const TOLERANCE: f64 = 0.04;
 /// The method, and what it is for.
@@ -56,12 +61,6 @@ pub(super) fn check(libraries: &[Library], params: &SynthParams, controls: &Cont
     }
     Err(refusal(METHOD, LINES))
 }
-
-/// Least share of the area that lines longer than [`LARGEST`] have in a drawing whose lines run on; and that lines have in
-/// one of short lines, of which most meet others.
-const LONG: f64 = 0.05;
-const SHORT: f64 = 0.5;
-const MEET: f64 = 0.8;
 
 /// Whether the lines of a drawing run on, so that it is more than elements side by side.
 pub(super) fn runs_on(library: &Library) -> bool {

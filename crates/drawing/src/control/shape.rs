@@ -138,8 +138,7 @@ impl ShapeReader<'_> {
         let (mut found, mut cut) = (Vec::new(), false);
         let mut open = vec![(tree.root(), Affine::IDENTITY)];
         while let Some((group, map)) = open.pop() {
-            // The tree's own product of transforms is wrong below `use` elements of symbols.
-            let map = map * svg_tree::affine(group.transform());
+            let map = svg_tree::within(map, group);
             cut |= group.clip_path().is_some() || group.mask().is_some();
             for node in group.children() {
                 match node {

@@ -172,7 +172,7 @@ struct WalkState<'t> {
     group: Option<usize>,
     layer: usize,
     opacity: f64,
-    /// From the group to the page. The tree's own product is wrong below `use` elements of symbols.
+    /// From the group to the page.
     map: Affine,
     depth: usize,
     /// The innermost id.
@@ -224,7 +224,7 @@ impl<'a, 'd> DrawingReader<'a, 'd> {
     fn group<'t>(&mut self, group: &'t usvg::Group, place: WalkState<'t>, clips: &[Clip]) -> Result<()> {
         let id = group.id();
         let opacity = place.opacity * f64::from(group.opacity().get());
-        let map = place.map * svg_tree::affine(group.transform());
+        let map = svg_tree::within(place.map, group);
         if group.mask().is_some() {
             return self.unreadable(id, "has a mask", "elements with masks are left out");
         }

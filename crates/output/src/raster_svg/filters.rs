@@ -4,7 +4,7 @@
 //! pixels for each pixel, `feTurbulence` adds any number of octaves.
 
 use resvg::usvg::filter::{Filter, Kind};
-use resvg::usvg::{Group, Node, Paint, Tree};
+use resvg::usvg::{Group, Node, Paint, Transform, Tree};
 
 /// Steps that are allowed: some ten seconds.
 const MOST: f64 = 1e10;
@@ -17,7 +17,7 @@ pub(super) fn affordable(tree: &Tree, scale: [f32; 2], picture: [u32; 2]) -> boo
     // resvg draws layers of at most five times the picture along each axis.
     let most = picture.map(|v| 5.0 * f64::from(v));
     let mut estimate = Estimate { scale: scale.map(f64::from), most, steps: 0.0 };
-    estimate.add_group(tree.root());
+    estimate.add_group(tree.root(), Transform::identity());
     estimate.steps <= MOST
 }
 
@@ -29,15 +29,16 @@ struct Estimate {
 }
 
 impl Estimate {
-    /// Adds the cost of a group with all its content. Returns early beyond [`MOST`], because nested patterns
-    /// can unfold without end.
-    fn add_group(&mut self, group: &Group) {
+    /// Adds the cost of a group with all its content, given the transform of what is around it: the tree's own product is
+    /// wrong below `use` elements of symbols. Returns early beyond [`MOST`], because nested patterns can unfold without end.
+    fn add_group(&mut self, group: &Group, around: Transform) {
+        let map = around.pre_concat(group.transform());
         if let Some(mask) = group.mask() {
-            self.add_group(mask.root());
-            mask.mask().into_iter().for_each(|inner| self.add_group(inner.root()));
+            self.add_group(mask.root(), Transform::identity());
+            mask.mask().into_iter().for_each(|inner| self.add_group(inner.root(), Transform::identity()));
         }
         for filter in group.filters() {
-            self.add_filter(filter, group);
+            self.add_filter(filter, group, map);
         }
         for node in group.children() {
             self.steps += ELEMENT;
@@ -45,12 +46,12 @@ impl Estimate {
                 return;
             }
             match node {
-                Node::Group(inner) => self.add_group(inner),
+                Node::Group(inner) => self.add_group(inner, map),
                 Node::Path(path) => {
                     let paints = [path.fill().map(|f| f.paint()), path.stroke().map(|s| s.paint())];
                     for paint in paints.into_iter().flatten() {
                         if let Paint::Pattern(pattern) = paint {
-                            self.add_group(pattern.root());
+                            self.add_group(pattern.root(), Transform::identity());
                         }
                     }
                 }
@@ -59,9 +60,8 @@ impl Estimate {
         }
     }
 
-    fn add_filter(&mut self, filter: &Filter, group: &Group) {
+    fn add_filter(&mut self, filter: &Filter, group: &Group, t: Transform) {
         // Upper bounds of the scale of the surrounding groups; a rotated axis gets the scales of both.
-        let t = group.abs_transform();
         let own = [t.sx.abs() + t.kx.abs(), t.ky.abs() + t.sy.abs()].map(f64::from);
         let scale = [0, 1].map(|k| own[k] * self.scale[k]);
         let bounds = group.layer_bounding_box();
@@ -79,7 +79,7 @@ impl Estimate {
         self.steps += pixels * filter.primitives().iter().map(|p| pixel(p.kind())).sum::<f64>();
         for primitive in filter.primitives() {
             if let Kind::Image(image) = primitive.kind() {
-                self.add_group(image.root());
+                self.add_group(image.root(), Transform::identity());
             }
         }
     }

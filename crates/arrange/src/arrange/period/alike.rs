@@ -7,7 +7,7 @@ use super::PeriodCopy;
 use super::relations::ElementRelations;
 use super::size_of;
 use std::collections::BTreeMap;
-use vtex_base::geometry::{Affine, Outline, Point, Vec2};
+use vtex_base::geometry::{Affine, NearPoints, Outline, Point, Vec2, shortest_offset};
 use vtex_base::sampling::stream;
 use vtex_scene::element::bounds;
 use vtex_scene::library::{ExemplarElement, Library};
@@ -67,9 +67,10 @@ impl AlikeShapes {
         }
         let mut members: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
         for (k, own) in of.iter().enumerate() {
-            members.entry(own.map_or(usize::MAX, |own| own.first)).or_default().push(k);
+            if let Some(own) = own {
+                members.entry(own.first).or_default().push(k);
+            }
         }
-        members.remove(&usize::MAX);
         for class in members.values().filter(|class| !has_no_order(library, class)) {
             class.iter().for_each(|k| of[*k] = None);
         }
@@ -123,7 +124,8 @@ fn moved(library: &Library) -> Vec<bool> {
     is_moved
 }
 
-/// Whether two elements have the same shapes but for their place and colours.
+/// Whether two elements have the same shapes but for their place and colours. Their points do not count: equal hexagons may
+/// begin at different corners.
 fn is_alike(a: &ExemplarElement, b: &ExemplarElement) -> bool {
     let by = bounds(&b.shapes).center() - bounds(&a.shapes).center();
     let near = |v: f64, w: f64, share: f64| (v - w).abs() <= OFF + share * v.abs().max(w.abs());
@@ -169,26 +171,29 @@ fn has_no_order(library: &Library, class: &[usize]) -> bool {
         (same / pairs - by_chance).abs() <= ORDER * deviation
     };
     let places: Vec<Point> = class.iter().map(|k| bounds(&elements[*k].shapes).center()).collect();
-    let size = size_of(library);
-    let wrapped = |v: Vec2| {
-        let along = |v: f64, size: f64| v - size * libm::round(v / size);
-        Vec2::new(along(v.x, size[0]), along(v.y, size[1]))
-    };
-    let way = |i: usize, j: usize| wrapped(places[j] - places[i]);
-    let tolerance = 0.02 * libm::sqrt(size[0] * size[1]);
+    let periods = size_of(library).map(Some);
+    let tolerance = 0.02 * libm::sqrt(size_of(library).iter().product::<f64>());
+    let near = NearPoints::new(&places, periods, tolerance);
     for j in 1..class.len() {
-        let common = way(0, j);
-        let partner = |i: usize| (0..class.len()).find(|k| wrapped(way(i, *k) - common).hypot() <= tolerance);
-        let pairs: Vec<(usize, usize)> =
-            (0..class.len()).filter_map(|i| Some((i, partner(i)?))).filter(|(i, k)| i != k).collect();
-        let same = pairs.iter().filter(|(i, k)| colour[*i] == colour[*k]).count();
+        let common = shortest_offset(places[0], places[j], periods);
+        let has_same_colour = |i: usize| {
+            let (wanted, mut found) = (places[i] + common, None);
+            near.each(wanted, |k| {
+                let is_there = shortest_offset(wanted, places[k], periods).hypot() <= tolerance;
+                found = found.or((is_there && k != i).then_some(k));
+            });
+            found.map(|k| colour[k] == colour[i])
+        };
+        let pairs: Vec<bool> = (0..class.len()).filter_map(has_same_colour).collect();
+        let same = pairs.iter().filter(|same| **same).count();
         if pairs.len() as f64 >= COMMON * n && !is_by_chance(same as f64, pairs.len() as f64) {
             return false;
         }
     }
     let nearest = |i: usize| {
+        let far = |k: &usize| shortest_offset(places[i], places[*k], periods).hypot();
         let mut others: Vec<usize> = (0..class.len()).filter(|k| *k != i).collect();
-        others.sort_by(|a, b| way(i, *a).hypot().total_cmp(&way(i, *b).hypot()));
+        others.sort_by(|a, b| far(a).total_cmp(&far(b)));
         others.into_iter().take(NEAREST).filter(|k| colour[*k] == colour[i]).count()
     };
     let same: usize = (0..class.len()).map(nearest).sum();
