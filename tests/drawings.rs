@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use vtex::geometry::{Outline, parse_path};
 use vtex::import::{Grouping, ImportParams, import};
-use vtex::library::{AnalyzeParams, Library, SourceKind};
+use vtex::library::{AnalyzeParams, ExemplarElement, Library, SourceKind};
 use vtex::output::png;
 use vtex::output::raster_svg::render_svg;
 use vtex::raster::ControlMap;
@@ -89,6 +89,49 @@ fn halves_at_the_borders_become_one_element() {
     let scale = f64::from(library.source.width) / 100.0;
     assert!(areas.iter().any(|a| (a / scale / scale - 11.0 * 9.0).abs() < 0.5), "{areas:?}");
     assert!(difference(&svg(inner), &library) <= 0.5);
+}
+
+#[test]
+fn elements_that_go_on_beyond_a_page_that_ends_are_whole() {
+    let flower = |x: i32, y: i32| {
+        let petal = |dx: i32, dy: i32| format!("<circle cx='{}' cy='{}' r='4'/>", x + dx, y + dy);
+        let petals: String = [(-7, 0), (7, 0), (0, -7), (0, 7)].map(|(dx, dy)| petal(dx, dy)).concat();
+        format!("<g fill='#a33'>{petals}</g>")
+    };
+    let inside: String = (0..9).map(|k| flower(25 + 25 * (k % 3), 25 + 20 * (k / 3))).collect();
+    // One has its lower petal beside the page; of another only a petal is on it; a third was cut there.
+    let inner = format!("{inside}{}{}<path fill='#a33' d='M0 20h6v10h-6z'/>", flower(88, 78), flower(12, -7));
+    let library = of(&inner);
+    assert!(!library.arrangement.periodic);
+    let at = |x: f64, y: f64| {
+        let far = |e: &&ExemplarElement| (e.centroid[0] - x).hypot(e.centroid[1] - y);
+        let all = library.primaries().iter();
+        all.min_by(|a, b| far(a).total_cmp(&far(b))).unwrap()
+    };
+    let [whole, beyond, beside, cut] = [at(25.0, 25.0), at(88.0, 78.0), at(12.0, 0.0), at(3.0, 25.0)];
+    assert_eq!([whole, beyond, beside, cut].map(|e| e.clipped), [false, false, true, true]);
+    assert_eq!([whole, beyond].map(|e| e.shapes.len()), [4, 4]);
+    assert_eq!(whole.category, beyond.category);
+    assert!((f64::from(beyond.area) / f64::from(whole.area) - 1.0).abs() < 0.1, "{}", beyond.area);
+    // Categories cover what is seen of them.
+    let seen: f64 = library.categories.iter().map(|c| c.coverage).sum();
+    assert!((seen - library.coverage).abs() < 1e-9 && seen < 0.4, "{seen}");
+}
+
+#[test]
+fn a_page_that_ends_is_arranged_as_its_neighbourhoods() {
+    let mark = |k: usize| {
+        let (x, y) = (2 + 20 * (k % 5) + k * 7 % 5, 10 + 19 * (k / 5) + k * 5 % 6);
+        format!("<circle cx='{x}' cy='{y}' r='{}' fill='#{}'/>", 3 + k % 2, ["a33", "33a"][k * k % 3 % 2])
+    };
+    let library = of(&(0..20).map(mark).collect::<String>());
+    let params = SynthParams { width: 300, height: 300, ..SynthParams::default() };
+    let libraries = std::slice::from_ref(&library);
+    let (_, report) = synthesize_with(libraries, &params, &Controls::default(), &()).unwrap();
+    let chosen = if cfg!(feature = "clustered") { Method::Clustered } else { Method::Descriptor };
+    assert_eq!(report.method, chosen);
+    assert!((report.coverage / report.coverage_wanted - 1.0).abs() < 0.1, "{report:?}");
+    assert_eq!(report.overlap.hidden, 0.0);
 }
 
 #[test]

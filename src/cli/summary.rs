@@ -469,13 +469,14 @@ impl Summary {
 
 /// What the optimisation of clusters did, in a line.
 fn optimised(clusters: &ClusterReport) -> String {
-    let ClusterReport { samples, iterations, switched, merged, split, moved, removed, added, .. } = clusters;
+    let ClusterReport { samples, iterations, switched, merged, split, .. } = clusters;
+    let ClusterReport { moved, removed, added, exchanged, .. } = clusters;
     let beside = clusters.recognised.map_or(String::new(), |[own, all]| {
         format!("; {own} of {all} elements beside it are those of the library")
     });
     format!(
         "{samples} samples in {iterations} iterations: {switched} changed clusters, {merged} merged, {split} split; \
-         {moved} elements moved apart, {removed} removed, {added} added{beside}"
+         {moved} elements moved apart, {removed} removed, {added} added, {exchanged} exchanged{beside}"
     )
 }
 

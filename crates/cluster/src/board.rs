@@ -105,6 +105,16 @@ impl<'a> Board<'a> {
         self.relations.figure(place)
     }
 
+    /// Area of the figure of a place, in pixels.
+    pub(crate) fn size(&self, place: u32) -> f64 {
+        f64::from(self.relations.area(self.figure(place)))
+    }
+
+    /// Category of the figure of a place.
+    pub(crate) fn category(&self, place: u32) -> usize {
+        self.relations.exemplar.figures[self.figure(place) as usize].category as usize
+    }
+
     /// Whether elements are made about a place.
     pub(crate) fn is_free(&self, at: [f64; 2]) -> bool {
         let here = |s: &StandingElements| if self.within_region { s.is_inside(at) } else { s.is_free(at) };
@@ -145,7 +155,7 @@ impl<'a> Board<'a> {
         let id = self.elements.len();
         let cell = self.cell(element.at);
         self.lists[cell].push(id as u32);
-        self.area += f64::from(self.relations.area(self.figure(element.place)));
+        self.area += self.size(element.place);
         self.elements.push(Some(element));
         id
     }
@@ -154,7 +164,16 @@ impl<'a> Board<'a> {
         if let Some(element) = self.elements[id].take() {
             let cell = self.cell(element.at);
             self.lists[cell].retain(|e| *e as usize != id);
-            self.area -= f64::from(self.relations.area(self.figure(element.place)));
+            self.area -= self.size(element.place);
+        }
+    }
+
+    /// Puts another element in the place of one.
+    pub(crate) fn exchange(&mut self, id: usize, by: BoardElement) {
+        if let Some(element) = self.elements[id].as_mut() {
+            let from = std::mem::replace(&mut element.place, by.place);
+            self.area += self.size(by.place) - self.size(from);
+            self.shift(id, by.at);
         }
     }
 

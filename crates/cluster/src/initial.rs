@@ -29,6 +29,8 @@ const CHANGE: f64 = 0.45;
 const AT_ONCE: usize = 8;
 /// Places compared by the shares of figures.
 const COMPARED: usize = 8;
+/// Share of a block that may lie beside the page along each axis.
+const BEYOND: f64 = 0.3;
 /// Grid on which open places are sought.
 const GRID: f64 = 16.0;
 /// Places of which one is drawn: those whose cost is at most so much above the least.
@@ -218,17 +220,21 @@ fn choose(
     go_on: &dyn Fn() -> Result<()>,
 ) -> Result<[f64; 2]> {
     let page = board.relations.exemplar.page;
-    // The exemplar has to cover the block.
+    // The exemplar has to cover most of the block. What stands at its border would hardly ever come if it had to cover all.
+    let beyond = block.size.map(|v| BEYOND * v);
     let fits = |offset: [f64; 2]| -> bool {
         (0..2).all(|k| {
             let low = block.low[k] - offset[k];
-            page.wraps[k] || (low >= -1e-6 && low + block.size[k] <= page.size[k] + 1e-6)
+            page.wraps[k] || (low >= -beyond[k] && low + block.size[k] <= page.size[k] + beyond[k])
         })
     };
     let anywhere = |random: &mut Stream| -> [f64; 2] {
         std::array::from_fn(|k| {
-            let room = if page.wraps[k] { page.size[k] } else { (page.size[k] - block.size[k]).max(0.0) };
-            block.low[k] - random.range(0.0, 1.0) * room
+            if page.wraps[k] {
+                return block.low[k] - random.range(0.0, 1.0) * page.size[k];
+            }
+            let room = (page.size[k] - block.size[k] + 2.0 * beyond[k]).max(0.0);
+            block.low[k] + beyond[k] - random.range(0.0, 1.0) * room
         })
     };
     if board.elements.is_empty() {

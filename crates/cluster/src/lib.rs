@@ -11,6 +11,7 @@
 //! Works badly for elements that reach over more than half the page, and for structure larger than a few elements, which
 //! no neighbourhood sees.
 
+mod balance;
 mod board;
 mod clustering;
 mod context;
@@ -18,6 +19,7 @@ mod cut;
 mod depth;
 mod existence;
 mod figures;
+mod holes;
 mod initial;
 mod input;
 mod mend;

@@ -4,7 +4,9 @@
 //! The paper drops clusters that resemble no element, and leaves what overlaps or is open. A drawing shows both at once.
 //! Fillers are proposed by elements that stand: the neighbours that they have in the exemplar.
 
+use crate::balance::thin;
 use crate::board::{Board, BoardElement};
+use crate::holes::fill_holes;
 use std::cmp::Reverse;
 use std::collections::{BTreeSet, BinaryHeap};
 use vtex_base::error::Result;
@@ -16,17 +18,16 @@ const STEPS: [f64; 3] = [0.02, 0.06, 0.14];
 /// Directions of moves.
 const DIRECTIONS: usize = 8;
 /// Least share of its neighbours' fit that a filler needs.
-const FITTING: f64 = 0.1;
-/// Covered area, as a share of the exemplar's, from which elements are removed, and up to which they are added.
-const MOST: f64 = 1.06;
+pub(crate) const FITTING: f64 = 0.1;
+/// Covered area, as a share of the exemplar's, up to which elements are added.
 const LEAST: f64 = 1.0;
 /// Covered area, as a share of the exemplar's, below which elements are scattered; how many places are tried, and how
 /// near to an equal one an element may be.
 const SPARSE: f64 = 0.9;
 const DARTS: usize = 4000;
-const BESIDE: f64 = 0.75;
+pub(crate) const BESIDE: f64 = 0.75;
 /// Operations between two questions whether to go on.
-const OPERATIONS: usize = 64;
+pub(crate) const OPERATIONS: usize = 64;
 
 /// Elements moved, removed and added.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -37,6 +38,8 @@ pub struct MendCounts {
     pub removed: usize,
     /// Elements added in gaps.
     pub added: usize,
+    /// Elements that took the place of those of another category.
+    pub exchanged: usize,
 }
 
 /// Mends an arrangement.
@@ -49,7 +52,11 @@ pub(crate) fn mend(board: &mut Board<'_>, seed: u64, go_on: &dyn Fn() -> Result<
     remove_clashing(board, &mut counts, go_on)?;
     fill(board, &mut counts, go_on)?;
     scatter(board, seed, &mut counts, go_on)?;
-    thin(board, &mut counts, go_on)?;
+    let first = board.elements.len();
+    if board.given() == 0 {
+        counts.added += fill_holes(board, seed, go_on)?;
+    }
+    counts.removed += thin(board, first, go_on)?;
     Ok(counts)
 }
 
@@ -134,7 +141,7 @@ fn remove_clashing(
     let rank = |board: &Board<'_>, id: usize| -> Option<u64> {
         let element = board.elements[id]?;
         let by = worst(board, id);
-        let size = f64::from(board.relations.area(board.figure(element.place)));
+        let size = board.size(element.place);
         let fit = board.support(element, Some(id)).clamp(0.0, 1.0);
         (by > 0.0).then(|| ((by / size.max(1.0)).min(1e6) * (1.5 - fit) * 1e6) as u64 + 1)
     };
@@ -163,14 +170,33 @@ fn remove_clashing(
     Ok(())
 }
 
-/// The area that all elements of the exemplar cover, for the canvas; beside elements that stand, what they cover and what
-/// is to be covered.
-fn wanted(board: &Board<'_>) -> f64 {
+/// The area that the elements of each category of the exemplar cover, for the canvas; beside elements that stand, what
+/// they cover and what is to be covered. What is only cut by the border of the page is shared out among the others.
+pub(crate) fn wanted_areas(board: &Board<'_>) -> Vec<f64> {
     let relations = board.relations;
-    let all: f64 = relations.exemplar.places.iter().map(|p| f64::from(relations.area(p.figure))).sum();
-    let beside = relations.standing_elements().iter().filter(|e| !board.is_free(e.at));
-    let standing: f64 = beside.map(|e| f64::from(relations.area(e.figure))).sum();
-    all * board.free_area() / relations.exemplar.page.area() + standing
+    let figures = &relations.exemplar.figures;
+    let count = figures.iter().map(|f| f.category as usize + 1).max().unwrap_or(0);
+    let (mut areas, mut placeable) = (vec![0.0; count], vec![false; count]);
+    for (place, area) in relations.exemplar.places.iter().zip(&relations.visible) {
+        let category = figures[place.figure as usize].category as usize;
+        areas[category] += area;
+        placeable[category] |= place.placeable;
+    }
+    let all: f64 = areas.iter().sum();
+    let kept: f64 = areas.iter().zip(&placeable).filter(|a| *a.1).map(|a| a.0).sum();
+    let share = all / kept.max(1e-9) * board.free_area() / relations.exemplar.page.area();
+    let mut areas: Vec<f64> =
+        areas.iter().zip(placeable).map(|(area, is)| if is { area * share } else { 0.0 }).collect();
+    for element in relations.standing_elements().iter().filter(|e| !board.is_free(e.at)) {
+        areas[figures[element.figure as usize].category as usize] +=
+            f64::from(relations.area(element.figure));
+    }
+    areas
+}
+
+/// The area that all elements of the exemplar cover, for the canvas.
+fn wanted(board: &Board<'_>) -> f64 {
+    wanted_areas(board).iter().sum()
 }
 
 /// Covered area as a share of the exemplar's.
@@ -218,7 +244,7 @@ fn fill(board: &mut Board<'_>, counts: &mut MendCounts, go_on: &dyn Fn() -> Resu
             go_on()?;
         }
         let element = BoardElement { place, at: at.map(|v| v as f64 * 1e-6) };
-        let size = f64::from(board.relations.area(board.figure(place)));
+        let size = board.size(place);
         let Some(now) = rank(board, element) else { continue };
         if now < old {
             queue.push((now, Reverse(place), at));
@@ -253,40 +279,10 @@ fn scatter(
         let place = placeable[random.index(placeable.len())];
         let at = board.plane.size.map(|side| random.range(0.0, side));
         let element = BoardElement { place, at };
-        let size = f64::from(board.relations.area(board.figure(place)));
+        let size = board.size(place);
         if board.area + 0.5 * size <= wanted && board.fits(element) && board.twins(element, None) < BESIDE {
             board.add(element);
             counts.added += 1;
-        }
-    }
-    Ok(())
-}
-
-/// Removes elements that fit the least while they cover too much.
-fn thin(board: &mut Board<'_>, counts: &mut MendCounts, go_on: &dyn Fn() -> Result<()>) -> Result<()> {
-    let wanted = wanted(board);
-    if board.area <= MOST * wanted {
-        return Ok(());
-    }
-    let mut order: Vec<(f64, usize)> = Vec::new();
-    for id in board.given()..board.elements.len() {
-        if usize::is_multiple_of(id, OPERATIONS) {
-            go_on()?;
-        }
-        if let Some(element) = board.elements[id] {
-            order.push((board.support(element, Some(id)), id));
-        }
-    }
-    order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    for (_, id) in order {
-        let Some(element) = board.elements[id] else { continue };
-        let size = f64::from(board.relations.area(board.figure(element.place)));
-        if board.area <= MOST * wanted {
-            break;
-        }
-        if board.area - size >= (2.0 - MOST) * wanted {
-            board.remove(id);
-            counts.removed += 1;
         }
     }
     Ok(())

@@ -1,5 +1,6 @@
 //! The optimisation from coarse to fine.
 
+use crate::balance::balance;
 use crate::board::{Board, BoardElement};
 use crate::clustering::{ClusterOperations, ClusteringParts, improve_clusters};
 use crate::depth::ordered;
@@ -46,7 +47,7 @@ const OVERLAPS: f64 = 2.0;
 /// Reach of links, in sample distances (λ).
 const LINKS: f64 = 4.0;
 /// Most samples of the result: levels with more are left out.
-const MOST_SAMPLES: f64 = 150_000.0;
+const MOST_SAMPLES: f64 = 20_000.0;
 /// Most elements of the exemplar, repeated to the size of a few neighbourhoods, and of the result.
 const MOST_PLACES: usize = 50_000;
 const MOST_ELEMENTS: f64 = 400_000.0;
@@ -209,10 +210,14 @@ fn arranged(
             level.mended.added += completed.added;
         }
     }
+    // Beside elements that stand the neighbours say what belongs there.
+    let is_balanced = params.variation > 0.0 && standing.is_none();
+    let exchanged = if is_balanced { balance(&mut board, params.seed, go_on)? } else { 0 };
     if let Some(level) = levels.first_mut() {
         level.mended.moved += first.moved;
         level.mended.removed += first.removed;
         level.mended.added += first.added;
+        level.mended.exchanged += exchanged;
     }
     let order = painting_order(&board, last.as_ref(), params, go_on)?;
     let copies = scene.places.len() / own.places.len();

@@ -43,6 +43,13 @@ impl FigurePixels {
             && other.rows[0] + dy < self.rows[1]
     }
 
+    /// Pixels within bounds: first and last column plus one, first and last row plus one.
+    pub(crate) fn area_within(&self, columns: [i32; 2], rows: [i32; 2]) -> u32 {
+        let within = self.rows[0].max(rows[0])..self.rows[1].min(rows[1]);
+        let runs = within.flat_map(|y| self.runs_of(y));
+        runs.map(|run| (run[1].min(columns[1]) - run[0].max(columns[0])).max(0) as u32).sum()
+    }
+
     /// Pixels that two figures share, the other one moved.
     pub(crate) fn overlap(&self, other: &Self, by: [i32; 2]) -> u32 {
         if !self.meets(other, by) {

@@ -2,7 +2,7 @@
 //! where the neighbours of each are.
 
 use crate::board::Board;
-use crate::figures::{ClusterExemplar, Figure};
+use crate::figures::{ClusterExemplar, Figure, FigurePlace};
 use crate::raster::{FigurePixels, pixels};
 use crate::standing::{StandingElement, StandingElements};
 use std::collections::BTreeMap;
@@ -15,7 +15,7 @@ use vtex_base::parallel;
 const PARTNERS: usize = 12;
 const PARTNERS_WITHIN: f64 = 2.5;
 /// Largest clearance, in lengths of which the exemplar has 400, and the share of that of the exemplar that is kept.
-const LARGEST_CLEARANCE: f64 = 16.0;
+const LARGEST_CLEARANCE: f64 = 32.0;
 const KEPT_CLEARANCE: f64 = 0.75;
 /// Pairs of elements measured at a time.
 const PAIRS_AT_ONCE: usize = 4096;
@@ -23,8 +23,9 @@ const PAIRS_AT_ONCE: usize = 4096;
 const SAME: f64 = 1.5;
 /// Distance of the points of a border.
 const BORDER: f64 = 2.5;
-/// Share of the exemplar's page that is farther from all elements than those counted as holes.
+/// Shares of the exemplar's page that are farther from all elements than those counted as holes, and as wide ones.
 const OPEN: f64 = 0.02;
+const WIDE: f64 = 0.001;
 /// Farthest that equal elements are noticed, in spacings.
 const TWINS: f64 = 3.0;
 /// Grid on which distances from elements are measured.
@@ -60,7 +61,11 @@ pub(crate) struct PlaceRelations<'a> {
     pub(crate) spacing: f64,
     /// Distance from all elements that only few points of the page exceed.
     pub(crate) hole: f64,
-    /// Share of each class among all elements.
+    /// The same that hardly any point exceeds.
+    pub(crate) widest: f64,
+    /// Area of each place on the page, in pixels.
+    pub(crate) visible: Vec<f64>,
+    /// Share of each class among all elements. Those that the border of the page cuts count by their part on it.
     pub(crate) class_shares: Vec<f64>,
     /// Least distance of elements of each class, at most a few spacings.
     pub(crate) twin_distance: Vec<f64>,
@@ -134,6 +139,10 @@ impl<'a> PlaceRelations<'a> {
         let figures = parallel::map(&exemplar.figures, |f| pixels(f, clearance));
         let shape = shapes(&borders);
         let class = classes(exemplar, &shape);
+        let visible: Vec<f64> =
+            places.iter().map(|p| visible(plane, p.at, &figures[p.figure as usize][0])).collect();
+        let whole = |p: &FigurePlace| f64::from(figures[p.figure as usize][0].area.max(1));
+        let parts: Vec<f64> = places.iter().zip(&visible).map(|(p, area)| area / whole(p)).collect();
         let mut made = Self {
             exemplar,
             figures,
@@ -141,7 +150,8 @@ impl<'a> PlaceRelations<'a> {
             partners,
             shares: BTreeMap::new(),
             close: BTreeMap::new(),
-            class_shares: class_shares(exemplar, &class),
+            class_shares: class_shares(exemplar, &class, &parts),
+            visible,
             twin_distance: twin_distance(exemplar, &class, spacing),
             shape,
             class,
@@ -149,6 +159,7 @@ impl<'a> PlaceRelations<'a> {
             clearance,
             spacing,
             hole: f64::INFINITY,
+            widest: f64::INFINITY,
             spots: Vec::new(),
             standing: None,
             like: Vec::new(),
@@ -156,7 +167,7 @@ impl<'a> PlaceRelations<'a> {
         made.count(&pairs, go_on)?;
         made.spots = made.figures.iter().map(|f| spots(&f[0])).collect();
         go_on()?;
-        made.hole = made.hole_size();
+        [made.hole, made.widest] = made.holes();
         Ok(made)
     }
 
@@ -307,16 +318,23 @@ impl<'a> PlaceRelations<'a> {
         }
     }
 
-    /// Distance from elements that [`OPEN`] of the page exceeds.
-    fn hole_size(&self) -> f64 {
+    /// Distances from elements that shares [`OPEN`] and [`WIDE`] of the page exceed. Points nearer to a border that does
+    /// not join do not count: what was beside it is not known.
+    fn holes(&self) -> [f64; 2] {
         let points = self.exemplar.places.iter().flat_map(|p| {
             self.spots[p.figure as usize].iter().map(move |s| [p.at[0] + s[0], p.at[1] + s[1]])
         });
         let plane = self.exemplar.page;
-        let mut far = distances(plane, &points.collect::<Vec<_>>());
+        let within = |&(at, far): &([f64; 2], f64)| {
+            (0..2).all(|k| plane.wraps[k] || at[k].min(plane.size[k] - at[k]) >= far)
+        };
+        let all = distances(plane, &points.collect::<Vec<_>>());
+        let mut far: Vec<f64> = all.into_iter().filter(within).map(|d| d.1).collect();
         far.sort_by(f64::total_cmp);
-        let k = ((1.0 - OPEN) * far.len() as f64) as usize;
-        far.get(k).or(far.last()).copied().unwrap_or(f64::INFINITY)
+        [OPEN, WIDE].map(|share| {
+            let k = ((1.0 - share) * far.len() as f64) as usize;
+            far.get(k).or(far.last()).copied().unwrap_or(f64::INFINITY)
+        })
     }
 
     /// Points of a figure, close enough to tell how far others are.
@@ -384,10 +402,23 @@ fn classes(exemplar: &ClusterExemplar, shape: &[u32]) -> Vec<u32> {
     exemplar.figures.iter().zip(shape).map(of).collect()
 }
 
-fn class_shares(exemplar: &ClusterExemplar, class: &[u32]) -> Vec<f64> {
+/// The share of each class; `parts` are the shares of the places that lie on the page.
+fn class_shares(exemplar: &ClusterExemplar, class: &[u32], parts: &[f64]) -> Vec<f64> {
     let mut counts = vec![0.0; class.len()];
-    exemplar.places.iter().for_each(|p| counts[class[p.figure as usize] as usize] += 1.0);
-    counts.iter().map(|n| n / exemplar.places.len().max(1) as f64).collect()
+    for (place, part) in exemplar.places.iter().zip(parts) {
+        counts[class[place.figure as usize] as usize] += part;
+    }
+    let all: f64 = parts.iter().sum();
+    counts.iter().map(|n| n / all.max(1e-9)).collect()
+}
+
+/// Pixels of a figure at a place that lie on the page.
+fn visible(page: PeriodicPlane, at: [f64; 2], figure: &FigurePixels) -> f64 {
+    let [columns, rows] = [0, 1].map(|k| {
+        let low = libm::round(-at[k]) as i32;
+        if page.wraps[k] { [i32::MIN, i32::MAX] } else { [low, low + libm::round(page.size[k]) as i32] }
+    });
+    f64::from(figure.area_within(columns, rows))
 }
 
 /// Least distance of elements of each class, at most [`TWINS`] spacings.
@@ -409,8 +440,8 @@ fn twin_distance(exemplar: &ClusterExemplar, class: &[u32], spacing: f64) -> Vec
 /// Farthest distance that is told apart from others.
 const FARTHEST: f64 = 100.0;
 
-/// Distances from the nearest of some points, on a grid of the page.
-fn distances(plane: PeriodicPlane, points: &[[f64; 2]]) -> Vec<f64> {
+/// Points on a grid of a page, and their distances from the nearest of some others.
+pub(crate) fn distances(plane: PeriodicPlane, points: &[[f64; 2]]) -> Vec<([f64; 2], f64)> {
     let index = PointIndex::new(plane, 2.0 * GRID, points);
     let count = plane.size.map(|v| (v / GRID).clamp(1.0, 200.0) as usize);
     let all: Vec<usize> = (0..count[0] * count[1]).collect();
@@ -422,11 +453,11 @@ fn distances(plane: PeriodicPlane, points: &[[f64; 2]]) -> Vec<f64> {
         let mut radius = 2.0 * GRID;
         while radius < FARTHEST {
             if let Some((_, far)) = index.nearest(at, radius) {
-                return far;
+                return (at, far);
             }
             radius *= 2.0;
         }
-        FARTHEST
+        (at, FARTHEST)
     })
 }
 

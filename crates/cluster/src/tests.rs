@@ -4,7 +4,7 @@ use crate::board::{Board, BoardElement};
 use crate::clustering::{ClusteringParts, improve_clusters};
 use crate::figures::{ClusterExemplar, Figure, FigurePlace};
 use crate::input::{InputSamples, LevelScale};
-use crate::optimise::{ClusterParams, ClusterResult, cluster, cluster_beside, level_of};
+use crate::optimise::{ClusterParams, ClusterResult, ClusteredElement, cluster, cluster_beside, level_of};
 use crate::output::{ContextCosts, OutputSamples};
 use crate::raster::pixels;
 use crate::rebuild::{rebuilt, sampled};
@@ -494,5 +494,54 @@ fn figures_that_the_exemplar_does_not_have_are_kept_clear() {
         let [own, _] = pixels(&exemplar.figures[exemplar.places[e.place].figure as usize], 0.0);
         let by = [0, 1].map(|k| libm::round(e.at[k] - at[k]) as i32);
         assert_eq!(all.overlap(&own, by), 0, "{e:?}");
+    }
+}
+
+/// Discs and bars on a page that ends, most of the bars near its border, where blocks seldom come from.
+fn uneven() -> ClusterExemplar {
+    let mut exemplar = loose();
+    exemplar.page.wraps = [false; 2];
+    for place in &mut exemplar.places {
+        let far = place.at.map(|v| (v - 200.0).abs());
+        place.figure = u32::from(far[0].max(far[1]) > 100.0);
+    }
+    exemplar
+}
+
+#[test]
+fn a_page_that_ends_keeps_its_shares_and_distances() {
+    let exemplar = uneven();
+    let nearest = |at: &[[f64; 2]], size: f64| -> Vec<f64> {
+        let far = |p: &[f64; 2], q: &[f64; 2]| length([p[0] - q[0], p[1] - q[1]]);
+        let of = |p: &[f64; 2]| at.iter().filter(|q| *q != p).map(|q| far(p, q)).fold(1e9, f64::min);
+        // Of those whose nearest neighbour lies within for sure.
+        let within = |p: &[f64; 2], d: f64| p.iter().all(|v| *v >= d && *v <= size - d);
+        let mut all: Vec<f64> =
+            at.iter().map(|p| (p, of(p))).filter(|(p, d)| within(p, *d)).map(|d| d.1).collect();
+        all.sort_by(f64::total_cmp);
+        all
+    };
+    let given: Vec<[f64; 2]> = exemplar.places.iter().map(|p| p.at).collect();
+    let wanted = nearest(&given, 400.0);
+    for seed in 0..3 {
+        let asked = ClusterParams { seed, ..params(1200.0, false) };
+        let made = cluster(&exemplar, &asked, &|| Ok(())).unwrap();
+        let on_canvas = |e: &&ClusteredElement| e.at.iter().all(|v| (0.0..1200.0).contains(v));
+        let elements: Vec<&ClusteredElement> = made.elements.iter().filter(on_canvas).collect();
+        let bars = elements.iter().filter(|e| exemplar.places[e.place].figure == 1).count();
+        let share = bars as f64 / elements.len() as f64;
+        assert!((0.65..=0.85).contains(&share), "{bars} of {}", elements.len());
+        let count = elements.len() as f64 / (9.0 * 16.0);
+        assert!((0.9..=1.1).contains(&count), "{}", elements.len());
+        let at: Vec<[f64; 2]> = elements.iter().map(|e| e.at).collect();
+        let found = nearest(&at, 1200.0);
+        let quantile = |of: &[f64], q: f64| of[(q * of.len() as f64) as usize];
+        let off: f64 = (0..20)
+            .map(|k| (f64::from(k) + 0.5) / 20.0)
+            .map(|q| (quantile(&found, q) - quantile(&wanted, q)).abs())
+            .sum::<f64>()
+            / 20.0;
+        let mean = wanted.iter().sum::<f64>() / wanted.len() as f64;
+        assert!(off < 0.2 * mean, "{off} of {mean}");
     }
 }

@@ -43,6 +43,24 @@ pub(super) fn check(libraries: &[Library], params: &SynthParams, controls: &Cont
     Ok(())
 }
 
+/// Where no method is asked for: most elements of drawing and texture for which this one is chosen, and the largest side of
+/// an element, as a share of the page's.
+const MOST: f64 = 10_000.0;
+const LARGEST: f64 = 0.5;
+
+/// Whether this method suits a library best: a drawing of small elements on a page that ends.
+pub(super) fn suits(libraries: &[Library], params: &SynthParams, controls: &Controls) -> bool {
+    let is_texture = |library: &Library| {
+        let [w, h] = library.page();
+        let pages = f64::from(params.width) * f64::from(params.height) / (w * h);
+        let is_small = |b: Rect| b.width() <= LARGEST * w && b.height() <= LARGEST * h;
+        let few = library.primaries().len() as f64 * pages.max(1.0) <= MOST;
+        few && library.primaries().iter().all(|e| e.clipped || is_small(element::bounds(&e.shapes)))
+    };
+    let alone = |library: &Library| !library.arrangement.periodic && is_texture(library);
+    check(libraries, params, controls).is_ok() && libraries.iter().all(alone)
+}
+
 /// A texture of clustered samples, and how close it came.
 ///
 /// # Errors
@@ -131,6 +149,7 @@ fn summed(found: &ClusterResult) -> ClusterReport {
         sum.moved += level.mended.moved;
         sum.removed += level.mended.removed + level.clusters[0] - level.clusters[1];
         sum.added += level.mended.added;
+        sum.exchanged += level.mended.exchanged;
         sum.energies.push(level.energies.clone());
     }
     sum

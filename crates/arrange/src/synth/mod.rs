@@ -326,6 +326,9 @@ fn method(libraries: &[Library], params: &SynthParams, controls: &Controls) -> R
                 "for one drawing whose borders join, without a map of densities, turned or mirrored elements"
                     .into(),
         }),
+        // Distances and neighbours are those of the drawing.
+        #[cfg(feature = "clustered")]
+        Method::Auto if plain && clustered::suits(libraries, params, controls) => Ok(Method::Clustered),
         // Islands would cut a drawing and lose elements along every border.
         Method::Auto if libraries.iter().all(is_drawing) => Ok(Method::Descriptor),
         Method::Auto if guided && plain => Ok(Method::Correspondence),

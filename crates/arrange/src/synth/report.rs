@@ -102,6 +102,8 @@ pub struct ClusterReport {
     pub removed: usize,
     /// Elements added in gaps.
     pub added: usize,
+    /// Elements that took the place of those of another category.
+    pub exchanged: usize,
     /// Beside a drawing that stands, how many of its elements are the library's, and how many there are.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub recognised: Option<[usize; 2]>,

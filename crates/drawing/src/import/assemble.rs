@@ -18,7 +18,7 @@ use kurbo::Shape as _;
 use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
 use vtex_base::error::{Error, Large, Result};
-use vtex_base::geometry::{Affine, Outline, Rect};
+use vtex_base::geometry::{Affine, Outline, edges};
 use vtex_base::parallel;
 use vtex_base::progress::{Progress, advance};
 use vtex_base::raster::colour::Colour;
@@ -41,6 +41,10 @@ const ENLARGED: f64 = 1600.0;
 const CELLS: f64 = 8.0;
 /// Distance by which shapes cut at a border reach beyond it, in pixels, so that copies leave no gap.
 const UNDERLAP: f64 = 0.4;
+/// Distance from a border up to which a shape ends there, as a share of the page's longer side.
+const ON_BORDER: f64 = 3e-4;
+/// Length of an edge along a border from which it was cut there, in units of that distance.
+const ALONG_BORDER: f64 = 8.0;
 /// Least share of the page that a background covers.
 const COVERS: f64 = 0.995;
 
@@ -72,9 +76,8 @@ const AT_ONCE: usize = 1024;
 /// [`Error::TooLarge`] for pieces that cover the page too often.
 pub(super) fn scale(page: &DrawingPage, pieces: &[DrawingPiece], name: &str) -> Result<[u32; 2]> {
     let [short, long] = [page.size[0].min(page.size[1]), page.size[0].max(page.size[1])];
-    let mut extents: Vec<f64> = pieces
-        .iter()
-        .map(DrawingPiece::bounds)
+    let on_page = || pieces.iter().filter(|p| !page.is_beside(p)).map(DrawingPiece::bounds);
+    let mut extents: Vec<f64> = on_page()
         .filter(|b| b.width() < 0.9 * page.size[0] || b.height() < 0.9 * page.size[1])
         .map(|b| libm::sqrt(b.width().max(1e-6) * b.height().max(1e-6)))
         .collect();
@@ -287,8 +290,9 @@ fn drafts(
         .collect();
     let draw = |piece: &DrawingPiece| {
         let shapes = shapes(piece, map);
-        let mask = mask(&shapes, size, wrap);
-        (shapes, mask)
+        let [w, h] = size.map(|v| v as i32);
+        let mask = mask(&shapes, size);
+        (shapes, if wrap { mask } else { mask.within([0, 0], [w, h]) })
     };
     let (drawn, masks) = drawn(pieces, origin.name, draw, go_on)?;
     let sides = size.map(|v| v as i32);
@@ -329,6 +333,8 @@ fn drafts(
         groups.entry(key.0).or_default().push((k, key.1));
     }
     let mut drafts: Vec<Draft> = Vec::with_capacity(groups.len());
+    // What lies beside the page belongs to an element on it, or to none.
+    groups.retain(|_, members| !members.iter().all(|m| page.is_beside(&pieces[m.0])));
     for ((_, kind), members) in groups {
         go_on()?;
         drafts.push(draft(&members, pieces, &widened, size, wrap, kind == 1));
@@ -364,14 +370,14 @@ fn draft(
             drawn(k).into_iter().map(move |shape| if shift == [0; 2] { shape } else { shape.moved(by) })
         })
         .collect();
-    let mut all = mask(&shapes, size, wrap);
+    let mut all = mask(&shapes, size);
     if wrap && !endless {
         let middle = all.centroid().map_or_else(|| element::bounds(&shapes).center(), |(x, y)| (x, y).into());
         let home = minus([libm::floor(middle.x / size[0]) as i32, libm::floor(middle.y / size[1]) as i32]);
         if home != [0; 2] {
             let by = Affine::translate(vector(home));
             shapes = shapes.iter().map(|s| s.moved(by)).collect();
-            all = mask(&shapes, size, wrap);
+            all = mask(&shapes, size);
         }
     }
     let order = members.iter().map(|m| m.0).max().unwrap_or(0);
@@ -381,11 +387,34 @@ fn draft(
     Draft { shapes, layer, order, mask: all, group, endless }
 }
 
-/// The pixels that shapes paint on the page; for a page that wraps, also those up to a page away.
-fn mask(shapes: &[Shape], size: [f64; 2], wrap: bool) -> Mask {
+/// The pixels that shapes paint on the page and up to a page away.
+fn mask(shapes: &[Shape], size: [f64; 2]) -> Mask {
     let [w, h] = size.map(|v| v as i32);
-    let (low, high) = if wrap { ([-w, -h], [2 * w, 2 * h]) } else { ([0, 0], [w, h]) };
-    pixels::of_shapes(shapes).within(low, high)
+    pixels::of_shapes(shapes).within([-w, -h], [2 * w, 2 * h])
+}
+
+/// Whether the border of a page that ends cuts shapes: they have an edge along it, run across the page, or their `middle`
+/// lies beside it. Shapes that go on beyond the border are whole as they were drawn.
+fn is_cut(shapes: &[Shape], middle: [f64; 2], size: [f64; 2]) -> bool {
+    let near = ON_BORDER * size[0].max(size[1]);
+    let ends = |shape: &Shape| {
+        let b = shape.outline.bounds();
+        let (low, high) = ([b.x0, b.y0], [b.x1, b.y1]);
+        let across = (0..2).any(|k| low[k] < near && high[k] > size[k] - near);
+        let meets = |border: f64, k: usize| (low[k] - border).abs() < near || (high[k] - border).abs() < near;
+        let borders = (0..2).flat_map(|k| [(0.0, k), (size[k], k)]).filter(|(border, k)| meets(*border, *k));
+        across || borders.into_iter().any(|(border, k)| has_edge_along(&shape.outline, k, border, near))
+    };
+    shapes.iter().any(ends) || (0..2).any(|k| !(0.0..size[k]).contains(&middle[k]))
+}
+
+/// Whether an outline has an edge along a border across axis `k`.
+fn has_edge_along(outline: &Outline, k: usize, border: f64, near: f64) -> bool {
+    edges(outline.path().iter(), near).into_iter().any(|[a, b]| {
+        let [from, to] = [[a.x, a.y], [b.x, b.y]];
+        let on = |p: [f64; 2]| (p[k] - border).abs() < near;
+        on(from) && on(to) && (to[1 - k] - from[1 - k]).abs() > ALONG_BORDER * near
+    })
 }
 
 fn paint(labels: &mut LabelMap, mask: &Mask, label: u32, wrap: bool) {
@@ -404,8 +433,6 @@ fn element(draft: &Draft, size: [f64; 2], wrap: bool) -> ExemplarElement {
     let inside = |v: f64, size: f64| if v.is_finite() { v.clamp(0.0, size) } else { 0.0 };
     let centroid = [inside(x, size[0]), inside(y, size[1])].map(|v| libm::round(v * 100.0) / 100.0);
     let largest = draft.shapes.iter().max_by(|a, b| a.outline.area().total_cmp(&b.outline.area()));
-    let page = Rect::new(0.0, 0.0, size[0], size[1]);
-    let leaves = !(page.contains(bounds.origin()) && bounds.x1 < size[0] && bounds.y1 < size[1]);
     let silhouette = silhouette(&draft.shapes);
     ExemplarElement {
         category: None,
@@ -414,7 +441,7 @@ fn element(draft: &Draft, size: [f64; 2], wrap: bool) -> ExemplarElement {
         area: draft.mask.area().max(1),
         centroid,
         compactness: Some(silhouette.as_ref().unwrap_or(&draft.shapes[0].outline).compactness()),
-        clipped: draft.endless || !wrap && leaves,
+        clipped: draft.endless || !wrap && is_cut(&draft.shapes, [x, y], size),
         silhouette,
         shapes: draft.shapes.clone(),
     }

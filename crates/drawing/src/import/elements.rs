@@ -89,7 +89,7 @@ impl PieceProperties<'_> {
                 up = groups[g].parent;
             }
         }
-        let all = self.page.items.len();
+        let all = self.page.counted;
         let is_element = |g: usize| {
             let several = groups[g].items > 1 && groups[g].items < all;
             let small = bounds[g].is_some_and(|b| is_small(b, self.size, LARGEST));

@@ -79,9 +79,8 @@ pub fn import(bytes: &[u8], name: &str, params: &ImportParams, progress: &dyn Pr
     };
     advance(progress, "drawing", 1, 4)?;
     let split = matches!(params.analyze.elements, Grouping::Auto | Grouping::Piece);
-    let all = page.items.iter().enumerate();
     let mut pieces: Vec<pieces::DrawingPiece> = Vec::new();
-    for (k, item) in all {
+    for (k, item) in page.items.iter().enumerate() {
         advance(progress, "drawing", 1, 4)?;
         pieces.extend(pieces::pieces(k, item, split));
     }
@@ -103,7 +102,13 @@ pub fn import(bytes: &[u8], name: &str, params: &ImportParams, progress: &dyn Pr
     };
     page.warnings.extend(remark);
     advance(progress, "drawing", 2, 4)?;
-    let pieces = if wrap { Torus::new(page.size).whole(pieces) } else { pieces };
+    let pieces = if wrap {
+        let on_page = pieces.into_iter().filter(|p| !page.is_beside(p)).collect();
+        Torus::new(page.size).whole(on_page)
+    } else {
+        page.count(true);
+        pieces
+    };
     advance(progress, "drawing", 3, 4)?;
     let origin = DrawingOrigin { bytes, name, params, wrap, scale, picture, background };
     let library = assemble(&page, &pieces, origin, progress)?;
@@ -139,7 +144,7 @@ pub fn drawn(bytes: &[u8], name: &str, [width, height]: [u32; 2]) -> Result<Vec<
     let left = (f64::from(width) - scale * wide) / 2.0;
     let top = (f64::from(height) - scale * high) / 2.0;
     let map = Affine::new([scale, 0.0, 0.0, scale, left, top]);
-    let all = page.items.iter().enumerate();
+    let all = page.items.iter().enumerate().filter(|(_, item)| !item.is_beside);
     let pieces = all.flat_map(|(k, item)| pieces::pieces(k, item, false));
     let shapes: Vec<Shape> = pieces.flat_map(|piece| shapes::shapes(&piece, map)).collect();
     if shapes.is_empty() {

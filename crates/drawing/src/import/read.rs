@@ -4,6 +4,7 @@
 
 use super::clip::{self, Clip};
 use super::paint::{self, DrawnPaint};
+use super::pieces::DrawingPiece;
 use crate::svg_tree;
 use kurbo::Shape as _;
 use resvg::usvg::{self, roxmltree};
@@ -31,8 +32,10 @@ const SVG: &str = "http://www.w3.org/2000/svg";
 pub(super) struct DrawingPage {
     /// Width and height.
     pub size: [f64; 2],
-    /// Its shapes, in painting order.
+    /// Its shapes, in painting order, and what is drawn beside it in groups.
     pub(super) items: Vec<DrawnShape>,
+    /// Number of shapes that count.
+    pub(super) counted: usize,
     /// Its groups, each after those that hold it.
     pub(super) groups: Vec<ShapeGroup>,
     /// Names of its layers, bottom first; the first is for shapes outside of all layers.
@@ -48,8 +51,29 @@ pub(super) struct DrawingPage {
 /// A group of shapes.
 pub(super) struct ShapeGroup {
     pub(super) parent: Option<usize>,
-    /// Number of shapes within, those of inner groups included.
+    /// Number of shapes within that count, those of inner groups included.
     pub(super) items: usize,
+}
+
+impl DrawingPage {
+    /// Whether the shape of a piece lies beside the page.
+    pub(super) fn is_beside(&self, piece: &DrawingPiece) -> bool {
+        self.items[piece.item].is_beside
+    }
+
+    /// Counts the shapes of all groups, those beside the page only if it ends.
+    pub(super) fn count(&mut self, ends: bool) {
+        self.counted = 0;
+        self.groups.iter_mut().for_each(|g| g.items = 0);
+        for item in self.items.iter().filter(|i| ends || !i.is_beside) {
+            self.counted += 1;
+            let mut up = item.group;
+            while let Some(g) = up {
+                self.groups[g].items += 1;
+                up = self.groups[g].parent;
+            }
+        }
+    }
 }
 
 /// A shape.
@@ -60,6 +84,8 @@ pub(super) struct DrawnShape {
     /// The innermost group that holds it.
     pub(super) group: Option<usize>,
     pub(super) layer: usize,
+    /// Whether it lies beside the page.
+    pub(super) is_beside: bool,
 }
 
 /// How a shape is filled.
@@ -109,17 +135,12 @@ pub(super) fn read(bytes: &[u8], name: &str, lenient: bool, progress: &dyn Progr
     let mut reader = DrawingReader { progress, ..DrawingReader::new(name, lenient, &document, size) };
     let root = WalkState { group: None, layer: 0, opacity: 1.0, map: Affine::IDENTITY, depth: 0, id: "" };
     reader.group(tree.root(), root, &[])?;
-    let DrawingReader { items, mut groups, layers, counts, is_incomplete, .. } = reader;
-    for item in &items {
-        let mut up = item.group;
-        while let Some(g) = up {
-            groups[g].items += 1;
-            up = groups[g].parent;
-        }
-    }
+    let DrawingReader { items, groups, layers, counts, is_incomplete, .. } = reader;
     let warnings = counts.into_iter().map(|(what, n)| format!("{what} ({n})"));
     let warnings = warnings.chain(texts(&document)).collect();
-    Ok(DrawingPage { size, items, groups, layers, warnings, is_incomplete, tree })
+    let mut page = DrawingPage { size, items, counted: 0, groups, layers, warnings, is_incomplete, tree };
+    page.count(false);
+    Ok(page)
 }
 
 /// An error about a drawing.
@@ -351,8 +372,8 @@ impl<'a, 'd> DrawingReader<'a, 'd> {
             even_odd: path.fill().is_some_and(|f| f.rule() == usvg::FillRule::EvenOdd),
         });
         let stroke = painted.iter().find(|p| !p.0).and_then(|(_, p)| stroke(path.stroke()?, p.clone(), map));
-        let new =
-            |path, fill, stroke| DrawnShape { path, fill, stroke, group: place.group, layer: place.layer };
+        let WalkState { group, layer, .. } = place;
+        let new = |path, fill, stroke| DrawnShape { path, fill, stroke, group, layer, is_beside: false };
         let mut items = Vec::new();
         let cut = clips.iter().any(|clip| !clip.holds(inflated(&drawn, stroke.as_ref())));
         let plain = stroke.as_ref().is_none_or(|s| s.conformal) && !cut;
@@ -370,13 +391,20 @@ impl<'a, 'd> DrawingReader<'a, 'd> {
             }
         }
         let page = clip::page(self.size);
-        let shown = |i: &DrawnShape| {
-            let reach = i.stroke.as_ref().map_or(0.0, |s| s.width * s.miter_limit.max(1.5));
-            let painted = i.fill.is_some() || i.stroke.is_some();
-            let b = i.path.bounding_box().inflate(reach, reach);
-            painted && !i.path.elements().is_empty() && b.overlaps(page)
-        };
-        self.items.extend(items.into_iter().filter(shown));
+        let around = page.inflate(page.width(), page.height());
+        for item in items {
+            let reach = item.stroke.as_ref().map_or(0.0, |s| s.width * s.miter_limit.max(1.5));
+            let painted = item.fill.is_some() || item.stroke.is_some();
+            let b = item.path.bounding_box().inflate(reach, reach);
+            let is_beside = !b.overlaps(page);
+            // Beside the page only parts of groups matter.
+            if painted
+                && !item.path.elements().is_empty()
+                && (!is_beside || group.is_some() && b.overlaps(around))
+            {
+                self.items.push(DrawnShape { is_beside, ..item });
+            }
+        }
         Ok(())
     }
 }
