@@ -10,8 +10,10 @@ use vtex_base::error::Result;
 use vtex_base::parallel;
 use vtex_base::sampling::stream;
 
-/// Covered area, as a share of the exemplar's, from which elements are removed.
+/// Covered area, as a share of the exemplar's, from which elements are removed: those that fit less than some, and all.
 const MOST: f64 = 1.03;
+const LOOSE: f64 = 0.5;
+const TOLERATED: f64 = 1.06;
 /// Share of all that is to be covered by which a category may cover too much.
 const SLACK: f64 = 0.02;
 /// Rounds in which every element is looked at once.
@@ -71,14 +73,16 @@ impl Surplus {
     }
 }
 
-/// Removes elements of categories that cover too much, those first that fit the least, while all together cover too much,
-/// but none from number `last` on. Returns how many.
+/// Removes elements while all together cover too much, those first that fit the least, but none from number `last` on.
+/// What fits loosely goes down to what is wanted, from categories that cover too much; what fits well stays as long as
+/// it can, since it would be missed. Returns how many.
 ///
 /// # Errors
 /// Those of `go_on`.
 pub(crate) fn thin(board: &mut Board<'_>, last: usize, go_on: &dyn Fn() -> Result<()>) -> Result<usize> {
     let mut surplus = Surplus::of(board);
-    if board.area <= MOST * surplus.wanted {
+    let wanted = surplus.wanted;
+    if board.area <= MOST * wanted {
         return Ok(0);
     }
     let mut order: Vec<(f64, usize)> = Vec::new();
@@ -86,15 +90,23 @@ pub(crate) fn thin(board: &mut Board<'_>, last: usize, go_on: &dyn Fn() -> Resul
         if usize::is_multiple_of(id, AT_ONCE) {
             go_on()?;
         }
-        if let Some(element) = board.elements[id].filter(|e| surplus.is_too_many(board, e.place)) {
+        if let Some(element) = board.elements[id] {
             order.push((board.support(element, Some(id)), id));
         }
     }
     order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     let mut removed = 0;
-    for (_, id) in order {
+    for (is_loose, (support, id)) in
+        [true, false].into_iter().flat_map(|loose| order.iter().map(move |o| (loose, *o)))
+    {
         let Some(element) = board.elements[id] else { continue };
-        if surplus.is_too_many(board, element.place) {
+        let goes = match is_loose {
+            true => {
+                support < LOOSE && is_alone(board, element.place) && surplus.is_too_many(board, element.place)
+            }
+            false => board.area > TOLERATED * wanted,
+        };
+        if goes {
             surplus.remove(board, element.place);
             board.remove(id);
             removed += 1;
@@ -136,12 +148,21 @@ pub(crate) fn balance(board: &mut Board<'_>, seed: u64, go_on: &dyn Fn() -> Resu
     Ok(done)
 }
 
-/// What fits best in place of an element.
+/// Whether an element overlaps no other in the exemplar.
+fn is_alone(board: &Board<'_>, place: u32) -> bool {
+    board.relations.alone[board.relations.like(place) as usize]
+}
+
+/// What fits best in place of an element: for a part of something only what has the same shape.
 fn best(board: &Board<'_>, surplus: &Surplus, id: usize, (seed, round): (u64, usize)) -> Option<Exchange> {
     let element = board.elements[id]?;
     let places = &board.relations.exemplar.places;
-    let suits =
-        |place: &u32| places[*place as usize].placeable && surplus.falls(board, element.place, *place);
+    let shape = |place: u32| board.relations.shape[board.figure(place) as usize];
+    let suits = |place: &u32| {
+        let stands = is_alone(board, element.place) && is_alone(board, *place);
+        let is_whole = stands || shape(element.place) == shape(*place);
+        places[*place as usize].placeable && is_whole && surplus.falls(board, element.place, *place)
+    };
     let mut others: Vec<u32> = (0..places.len() as u32).filter(suits).collect();
     if others.is_empty() {
         return None;

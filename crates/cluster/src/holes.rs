@@ -12,7 +12,8 @@ use vtex_base::sampling::stream;
 const TRIED: usize = 24;
 const SHIFTED: f64 = 0.25;
 
-/// Puts elements in holes, the widest first: those that fit the best of some that clash with none. Returns how many.
+/// Puts elements in holes, the widest first: of those that overlap none in the exemplar, that which fits the best of some
+/// that clash with none. Returns how many.
 ///
 /// # Errors
 /// Those of `go_on`.
@@ -24,7 +25,12 @@ pub(crate) fn fill_holes(board: &mut Board<'_>, seed: u64, go_on: &dyn Fn() -> R
         distances(board.plane, &spots).into_iter().filter(|d| d.1 > widest && board.is_open(d.0)).collect();
     holes.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0[1].total_cmp(&b.0[1])).then(a.0[0].total_cmp(&b.0[0])));
     let places = &board.relations.exemplar.places;
-    let placeable: Vec<u32> = (0..places.len() as u32).filter(|k| places[*k as usize].placeable).collect();
+    // Parts of something would stand there alone.
+    let is_whole = |k: &u32| places[*k as usize].placeable && board.relations.alone[*k as usize];
+    let whole: Vec<u32> = (0..places.len() as u32).filter(is_whole).collect();
+    if whole.is_empty() {
+        return Ok(0);
+    }
     let before = board.elements.len();
     // One trial for each cell of the canvas.
     let mut tried = BTreeSet::new();
@@ -39,7 +45,7 @@ pub(crate) fn fill_holes(board: &mut Board<'_>, seed: u64, go_on: &dyn Fn() -> R
         let mut random = stream(seed, "cluster/holes", n as u64);
         let mut best: Option<(f64, BoardElement)> = None;
         for _ in 0..TRIED {
-            let place = placeable[random.index(placeable.len())];
+            let place = whole[random.index(whole.len())];
             let at = middle.map(|v| v + SHIFTED * widest * random.range(-1.0, 1.0));
             let element = BoardElement { place, at: board.plane.wrapped(at) };
             if !board.fits(element) || board.twins(element, None) >= BESIDE {

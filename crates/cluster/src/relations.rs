@@ -65,6 +65,8 @@ pub(crate) struct PlaceRelations<'a> {
     pub(crate) widest: f64,
     /// Area of each place on the page, in pixels.
     pub(crate) visible: Vec<f64>,
+    /// Whether each place overlaps no other: what does may be a part of something, such as a stem of its flower.
+    pub(crate) alone: Vec<bool>,
     /// Share of each class among all elements. Those that the border of the page cuts count by their part on it.
     pub(crate) class_shares: Vec<f64>,
     /// Least distance of elements of each class, at most a few spacings.
@@ -152,6 +154,7 @@ impl<'a> PlaceRelations<'a> {
             close: BTreeMap::new(),
             class_shares: class_shares(exemplar, &class, &parts),
             visible,
+            alone: vec![true; places.len()],
             twin_distance: twin_distance(exemplar, &class, spacing),
             shape,
             class,
@@ -233,6 +236,8 @@ impl<'a> PlaceRelations<'a> {
             self.close.entry([sa, sb]).or_default().push(way);
             self.close.entry([sb, sa]).or_default().push([-way[0], -way[1]]);
             if overlap > 0 {
+                self.alone[a as usize] = false;
+                self.alone[b as usize] = false;
                 let share = f64::from(overlap) / f64::from(self.area(fa).min(self.area(fb)));
                 let known = self.shares.entry([ca.min(cb), ca.max(cb)]).or_insert(0.0);
                 *known = known.max(share);

@@ -9,8 +9,8 @@ layer : str, optional
     for colours). Default: the elements of all layers.
 where : str or sequence of str, default ()
     Only the elements that fulfil all of these conditions: ``"category=3"`` (or ``3|5``, or ``!=3``),
-    ``"library=1"``, ``"id=17"``, ``"area>200"``, ``"elongation>1.5"``, ``"x<500"``, ``"y>=20"`` (with
-    ``>``, ``<``, ``>=`` or ``<=``), ``"inside=shape.svg"``, ``"outside=mask.png"``.
+    ``"library=1"``, ``"id=17"``, ``"motif=4"``, ``"area>200"``, ``"elongation>1.5"``, ``"x<500"``,
+    ``"y>=20"`` (with ``>``, ``<``, ``>=`` or ``<=``), ``"inside=shape.svg"``, ``"outside=mask.png"``.
 
 Pictures are stretched over the canvas. They are paths, bytes, open files, images of Pillow, or arrays
 height x width of uint8 or of floats from 0 to 1; colours are height x width x 3 or 4 of uint8.

@@ -29,7 +29,8 @@ pub(crate) struct UnitPart {
     pub(crate) element: usize,
     /// From the shapes of the element to those of the unit.
     pub(crate) map: Affine,
-    /// Index of its layer in the drawing, and its place in the painting order there.
+    /// Index of its layer in the drawing, and its place in the painting order there; that of the first where the parts of
+    /// its unit are painted one after another.
     pub(crate) order: (usize, usize),
 }
 
@@ -80,7 +81,12 @@ impl MotifUnits {
             let (motif, parts) = &units[u];
             let mut sorted: Vec<usize> = (0..parts.len()).collect();
             sorted.sort_by_key(|&k| parts[k].order);
-            let painted: Vec<UnitPart> = sorted.iter().map(|&k| parts[k]).collect();
+            let mut painted: Vec<UnitPart> = sorted.iter().map(|&k| parts[k]).collect();
+            let is_run = |w: &[UnitPart]| w[1].order == (w[0].order.0, w[0].order.1 + 1);
+            if painted.windows(2).all(is_run) {
+                let first = painted[0].order;
+                painted.iter_mut().for_each(|part| part.order = first);
+            }
             let number = own.parts.len();
             for part in &painted {
                 if labels[part.element + 1] == 0 {

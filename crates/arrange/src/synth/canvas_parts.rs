@@ -127,6 +127,7 @@ impl JoinedScene {
         self.scene.domain = scene.domain.clone();
         self.scene.parameters = scene.parameters.clone();
         let first = self.scene.elements.len();
+        let motifs = self.scene.instances().filter_map(|i| i.motif).max().map_or(0, |m| m + 1);
         let own = |e: &Element| Element { library: LibraryId(group[e.library.index()] as u32), ..e.clone() };
         self.scene.elements.extend(scene.elements.iter().map(own));
         let title = self.scene.libraries[group[0]].exemplar.clone();
@@ -147,7 +148,8 @@ impl JoinedScene {
             let renumbered = |i: &Instance| {
                 next += 1;
                 let element = ElementId::after(first + i.element.index());
-                Instance { id: InstanceId(next - 1), element, ..i.clone() }
+                let motif = i.motif.map(|m| m + motifs);
+                Instance { id: InstanceId(next - 1), element, motif, ..i.clone() }
             };
             let instances: Vec<Instance> = kept.map(renumbered).collect();
             let clip = if *is_cut || layer.field.is_some() { region.clone() } else { None };

@@ -44,6 +44,7 @@ pub(super) fn cell_texture(
         },
         transform: cell.transform,
         layer: cell.layer,
+        motif: None,
     });
     let params = SynthParams { variation: Some(asked.variation), ..params.clone() };
     let scene = compose_drawing(library, &params, controls, placements);

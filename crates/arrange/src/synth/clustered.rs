@@ -114,7 +114,8 @@ pub(super) fn synthesize(
     // Layers keep their order; within one, the order is that of the result.
     placed.sort_by_key(|e| drawing.places[e.place].layer);
     let known = if units.is_some() { equal(library.primaries()) } else { Vec::new() };
-    let placements = placed.iter().flat_map(|e| drawing.placements(library, units.as_ref(), &known, e));
+    let placements =
+        placed.iter().zip(0..).flat_map(|(e, n)| drawing.placements(library, (units.as_ref(), n), &known, e));
     let scene = compose_drawing(library, &params, controls, placements);
     let covered = covered(library, &scene, || advance(progress, "primaries", 1, 2))?;
     let mut categories = CategoryReport::of(library, covered);
@@ -234,22 +235,25 @@ impl ClusteredDrawing {
         found.elements.iter().filter(reaches).copied().collect()
     }
 
-    /// The elements of the drawing that an element of the result stands for: itself, or the parts of a motif.
+    /// The elements of the drawing that an element of the result stands for: itself, or the parts of a motif, which get a
+    /// number.
     fn placements<'a>(
         &self,
         library: &Library,
-        units: Option<&MotifUnits>,
+        (units, number): (Option<&MotifUnits>, u32),
         known: &[SimilarTo],
         element: &ClusteredElement,
     ) -> Vec<Placement<'a>> {
         let DrawnPlace { own, element: first, map, at, layer } = self.places[element.place];
         let by = Affine::translate((element.at[0] - at[0], element.at[1] - at[1]));
+        let motif = units.and_then(|units| units.kind(own)).map(|_| number);
         let placement = |first: usize, map: Affine, layer: usize| {
             let [x, y] = library.elements[first].origin().map(f64::from);
             Placement {
                 what: What::Known(LibraryId(0), ElementId::after(first), None),
                 transform: rounded(by * map * Affine::translate((x, y))),
                 layer,
+                motif,
             }
         };
         let Some(units) = units else { return vec![placement(first, map, layer)] };

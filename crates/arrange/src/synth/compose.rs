@@ -17,6 +17,8 @@ pub(crate) struct Placement<'a> {
     pub(crate) transform: [f64; 6],
     /// Index of the layer.
     pub(crate) layer: usize,
+    /// Number of the motif of which it is a part.
+    pub(crate) motif: Option<u32>,
 }
 
 /// The content of a placement.
@@ -83,15 +85,15 @@ pub(crate) fn compose<'a>(
     let mut listings: Vec<Listing<'_>> = libraries.iter().enumerate().map(listing).collect();
     let mut ids = (first.0..=u32::MAX).chain(0..first.0).map(InstanceId);
     let mut fresh = |element| Instance::new(ids.next().unwrap_or(first), element);
-    for Placement { what, transform, layer } in placements {
+    for Placement { what, transform, layer, motif } in placements {
         let instance = match what {
             What::Known(library, source, colour) => {
                 let element = listings[library.index()].element(&mut scene, source);
-                Instance { transform, colour, ..fresh(element) }
+                Instance { transform, motif, colour, ..fresh(element) }
             }
             What::Made(element) => {
                 let element = scene.add(element.clone());
-                Instance { transform, ..fresh(element) }
+                Instance { transform, motif, ..fresh(element) }
             }
             What::Kept(instance) => Instance { transform, ..instance.clone() },
         };

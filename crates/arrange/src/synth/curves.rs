@@ -189,6 +189,7 @@ pub(super) fn synthesize(
         what: What::Made(element),
         transform: Affine::translate(at.to_vec2()).as_coeffs(),
         layer: *layer,
+        motif: None,
     });
     let between = |below: bool| {
         let drawing = &drawing;

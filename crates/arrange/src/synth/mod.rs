@@ -216,11 +216,13 @@ fn placements<'a>(
         ),
         transform: compose::at(&arrangement.cells.model().variations[usize::from(p.variation)], p.at),
         layer: CanvasStrata::layer(strata.map_or(0, |strata| strata.of_secondary(p)), Role::Secondary),
+        motif: None,
     });
     let above = arrangement.placed.iter().map(move |p| {
         let (what, transform) = compose::primary(arrangement, p);
         let of = |strata: &CanvasStrata| strata.of_primary(&libraries[0], arrangement, p.element, p.at);
-        Placement { what, transform, layer: CanvasStrata::layer(strata.map_or(0, of), Role::Primary) }
+        let layer = CanvasStrata::layer(strata.map_or(0, of), Role::Primary);
+        Placement { what, transform, layer, motif: None }
     });
     below.chain(above)
 }
@@ -356,7 +358,7 @@ pub(crate) fn primaries_alone(
     let layers = vec![Layer::new(Role::Primary)];
     let placements = arrangement.placed.iter().map(|p| {
         let (what, transform) = compose::primary(&arrangement, p);
-        Placement { what, transform, layer: 0 }
+        Placement { what, transform, layer: 0, motif: None }
     });
     let blank = compose::blank(libraries, params, &controls, layers);
     Ok((compose(blank, InstanceId(0), libraries, placements), covered))

@@ -1,11 +1,12 @@
 //! Motifs stay together in textures of all methods.
 
 use super::synthesize;
+use std::collections::BTreeSet;
 use vtex_base::geometry::{Point, Vec2, shortest_offset};
 use vtex_base::raster::LabelMap;
 use vtex_scene::library::testing::library;
 use vtex_scene::library::{ElementId, Library, Motif, MotifPart, SourceKind};
-use vtex_scene::scene::{Method, Scene, SynthParams, Tile};
+use vtex_scene::scene::{Instance, Method, Scene, SynthParams, Tile};
 
 const SIDE: u32 = 240;
 const PAIRS: usize = 8;
@@ -160,4 +161,20 @@ fn a_variation_of_nothing_is_the_drawing_with_motifs_and_without() {
         places
     };
     assert_eq!(places(&library), places(&alone));
+}
+
+#[test]
+fn the_parts_of_a_motif_have_its_number_and_are_painted_one_after_another() {
+    let library = pairs();
+    let clustered = cfg!(feature = "clustered").then_some(Method::Clustered);
+    for method in [Method::Period, Method::Descriptor].into_iter().chain(clustered) {
+        let scene = made(&library, method, 1.0);
+        let is_part = |i: &Instance| scene.element(i).source.is_some_and(|s| s.index() < 2 * PAIRS);
+        assert!(scene.individuals().all(|i| i.motif.is_some() == is_part(i)), "{method:?}");
+        let instances: Vec<&Instance> = scene.individuals().filter(|i| is_part(i)).collect();
+        let runs: Vec<&[&Instance]> = instances.chunk_by(|a, b| a.motif == b.motif).collect();
+        assert!(runs.iter().all(|run| run.len() == 2), "{method:?}");
+        let numbers: BTreeSet<Option<u32>> = runs.iter().map(|run| run[0].motif).collect();
+        assert_eq!(numbers.len(), runs.len(), "{method:?}");
+    }
 }

@@ -58,7 +58,7 @@ fn placements<'a>(
         params.tile.any() || p.map.transform_rect_bbox(repeated.bounds[p.element]).overlaps(canvas)
     };
     let mut ordered: Vec<&PeriodCopy> = repeated.placed.iter().filter(reaches).collect();
-    ordered.sort_by_key(|p| p.order);
+    ordered.sort_by_key(|p| (p.order, p.motif));
     ordered.into_iter().map(|p| {
         let SimilarTo { first, map } = repeated.equal[p.element];
         let [x, y] = library.elements[first].origin().map(f64::from);
@@ -66,6 +66,7 @@ fn placements<'a>(
             what: What::Known(LibraryId(0), ElementId::after(first), None),
             transform: rounded(p.map * map * Affine::translate((x, y))),
             layer: p.order.0,
+            motif: p.motif,
         }
     })
 }

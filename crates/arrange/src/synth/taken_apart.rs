@@ -29,14 +29,18 @@ pub(super) fn taken_apart(
         .iter()
         .map(|element| element.source.map_or(0, ElementId::index))
         .collect();
+    let mut motifs = 0;
     for (l, layer) in scene.layers.iter_mut().enumerate() {
         for instance in std::mem::take(&mut layer.instances) {
             let unit = units_of[instance.element.index()];
+            let motif = units.kind(unit).map(|_| motifs);
+            motifs += u32::from(motif.is_some());
             let whole = instance.affine() * origin(&units.library, unit).inverse();
             placements.extend(units.parts[unit].iter().map(|part| Placement {
                 what: What::Known(LibraryId(0), ElementId::after(part.element), instance.colour),
                 transform: rounded(whole * part.map * origin(library, part.element)),
                 layer: l,
+                motif,
             }));
         }
     }

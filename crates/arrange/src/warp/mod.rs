@@ -113,14 +113,14 @@ pub fn warp(
                 (what, compose::at(&model.variations[usize::from(p.variation)], p.at))
             }
         };
-        Placement { what, transform, layer: layer(Role::Secondary) }
+        Placement { what, transform, layer: layer(Role::Secondary), motif: None }
     });
     let above = arrangement.placed.iter().map(|p| {
         let (what, transform) = match p.fixed.map(|k| standing[k]) {
             Some((index, there)) => moved(carried[index], there),
             None => compose::primary(&arrangement, p),
         };
-        Placement { what, transform, layer: layer(Role::Primary) }
+        Placement { what, transform, layer: layer(Role::Primary), motif: None }
     });
     let last = scene.instances().map(|i| i.id.0).max();
     let first = InstanceId(last.map_or(0, |id| id.wrapping_add(1)));

@@ -154,6 +154,7 @@ fn holds(
                 Identity::Category => element.category.map(|c| u32::from(c.0)),
                 Identity::Library => Some(element.library.0),
                 Identity::Id => Some(instance.id.0),
+                Identity::Motif => instance.motif,
             };
             number.is_some_and(|n| numbers.contains(&n)) == *wanted
         }

@@ -188,6 +188,11 @@ fn conditions_and_layers_select() {
     assert_eq!([both(7), both(70)], [1, 0]);
     let library = |number| matched(&[among(Identity::Library, &[number], true)]);
     assert_eq!([library(0), library(1)], [300, 0]);
+    let mut with_motifs = scene();
+    with_motifs.primary_mut()[3..6].iter_mut().for_each(|i| i.motif = Some(4));
+    let motif = [those(&[among(Identity::Motif, &[4], true)], Action::Delete)];
+    let (kept, reports) = edited(&with_motifs, &motif);
+    assert_eq!((reports[0].matched, kept.instances().filter_map(|i| i.motif).count()), (3, 0));
     let (left, right) = (measured(Quantity::X, Less, 200.0), measured(Quantity::X, AtLeast, 200.0));
     assert!(left > 100 && right > 100 && left + right == 300);
     let inside = matched(&[within("left.png", true)]);

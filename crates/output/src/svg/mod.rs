@@ -436,9 +436,27 @@ impl<'a> Document<'a> {
         }
     }
 
-    /// Writes elements, each in a group with its id.
+    /// Writes elements, each in a group with its id, and motifs in groups of these.
     fn write_individuals<W: Write>(&self, xml: &mut Xml<W>, layer: &Layer) -> io::Result<()> {
-        for instance in &layer.instances {
+        for run in layer.instances.chunk_by(|a, b| a.motif.is_some() && a.motif == b.motif) {
+            let motif = run[0].motif.filter(|_| run.len() > 1);
+            if let Some(number) = motif {
+                xml.open("g");
+                xml.attribute("class", "motif");
+                xml.attribute("inkscape:label", format_args!("motif {number}"));
+                xml.line();
+            }
+            self.write_run(xml, (layer, run))?;
+            if motif.is_some() {
+                xml.close()?;
+                xml.line();
+            }
+        }
+        Ok(())
+    }
+
+    fn write_run<W: Write>(&self, xml: &mut Xml<W>, (layer, run): (&Layer, &[Instance])) -> io::Result<()> {
+        for instance in run {
             let before = xml.drawn();
             let mut original = ViewerLoad::default();
             for (k, shift) in self.textons.copies(instance).enumerate() {

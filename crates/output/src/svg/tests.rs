@@ -132,6 +132,23 @@ fn layers_in_order_with_a_group_for_each_primary() {
 }
 
 #[test]
+fn motifs_are_groups_of_what_is_painted_one_after_another() {
+    let mut scene = testing::scene(400, 300, 1);
+    for (k, motif) in [(1, 7), (2, 7), (3, 8), (5, 7)] {
+        scene.primary_mut()[k].motif = Some(motif);
+    }
+    let (text, summary) = text(&scene, &SvgOptions::default());
+    check_document(&text, &summary);
+    let document = Document::parse(&text).unwrap();
+    let groups: Vec<Node<'_, '_>> =
+        document.descendants().filter(|n| n.attribute("class") == Some("motif")).collect();
+    assert_eq!(groups.len(), 1);
+    let ids: Vec<&str> = groups[0].children().filter_map(|n| n.attribute("id")).collect();
+    let wanted = [1, 2].map(|k| format!("p{}", scene.primary()[k].id));
+    assert_eq!(ids, wanted);
+}
+
+#[test]
 fn categories_have_names_colours_and_rules() {
     let scene = testing::scene(400, 300, 2);
     let (plain, _) = text(&scene, &SvgOptions::default());

@@ -5,11 +5,11 @@ use std::str::FromStr;
 use vtex_base::error::clip;
 
 /// The names that a condition begins with.
-pub const NAMES: [&str; 9] =
-    ["category", "library", "id", "area", "elongation", "x", "y", "inside", "outside"];
+pub const NAMES: [&str; 10] =
+    ["category", "library", "id", "motif", "area", "elongation", "x", "y", "inside", "outside"];
 
 /// The syntax of conditions, for messages.
-pub const EXPECTED: &str = "category=3, category!=3, category=3|5, library=1, id=17, area>200, elongation>1.5, \
+pub const EXPECTED: &str = "category=3, category!=3, category=3|5, library=1, id=17, motif=4, area>200, elongation>1.5, \
                             x<500, y>=20, inside=FILE, outside=FILE";
 
 /// A fault in the text of a condition.
@@ -73,6 +73,7 @@ impl FromStr for Condition {
             "category" => among(Identity::Category),
             "library" => among(Identity::Library),
             "id" => among(Identity::Id),
+            "motif" => among(Identity::Motif),
             "area" => compare(Quantity::Area),
             "elongation" => compare(Quantity::Elongation),
             "x" => compare(Quantity::X),

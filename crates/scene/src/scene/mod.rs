@@ -291,6 +291,10 @@ pub struct Instance {
     /// Coefficients a b c d e f of the affine map from element to canvas: x' = ax + cy + e,
     /// y' = bx + dy + f.
     pub transform: [f64; 6],
+    /// Number of the motif of which it is a part: elements of a drawing that belong together. Those of one motif that are
+    /// painted one after another are a group in an SVG.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub motif: Option<u32>,
     /// Colour that replaces the paint of the element's first shape.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub colour: Option<Colour>,
@@ -303,10 +307,10 @@ pub struct Instance {
 }
 
 impl Instance {
-    /// An instance with the identity transform, without colour, shadow and stroke.
+    /// An instance with the identity transform, of no motif, without colour, shadow and stroke.
     pub fn new(id: InstanceId, element: ElementId) -> Self {
         let transform = Affine::IDENTITY.as_coeffs();
-        Self { id, element, transform, colour: None, shadow: None, stroke: None }
+        Self { id, element, transform, motif: None, colour: None, shadow: None, stroke: None }
     }
 
     /// The transform.

@@ -506,7 +506,7 @@ pub enum Condition {
     Among {
         /// The property that is compared.
         identity: Identity,
-        /// The numbers: indices of categories and libraries, which people number from 1, or ids.
+        /// The numbers: indices of categories and libraries, which people number from 1, or ids and numbers of motifs.
         numbers: Vec<u32>,
         /// Whether it must be one of them; otherwise it must be none of them.
         wanted: bool,
@@ -540,6 +540,8 @@ pub enum Identity {
     Library,
     /// Id of the instance.
     Id,
+    /// Number of the motif; elements of none have none.
+    Motif,
 }
 
 impl Identity {
@@ -547,7 +549,7 @@ impl Identity {
     pub fn first_number(self) -> u32 {
         match self {
             Self::Category | Self::Library => 1,
-            Self::Id => 0,
+            Self::Id | Self::Motif => 0,
         }
     }
 }

@@ -109,6 +109,6 @@ impl From<Version1Texton> for Element {
 impl From<Version1Instance> for Instance {
     fn from(old: Version1Instance) -> Self {
         let Version1Instance { id, texton, transform, colour, shadow, stroke } = old;
-        Self { id: InstanceId(id), element: ElementId(texton), transform, colour, shadow, stroke }
+        Self { transform, colour, shadow, stroke, ..Self::new(InstanceId(id), ElementId(texton)) }
     }
 }

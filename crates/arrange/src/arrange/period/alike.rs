@@ -245,7 +245,7 @@ mod tests {
         let library = tiles(|x, y| (x * x + 3 * y * y + x * y) % 7 % 3);
         let relations = ElementRelations::new(&library);
         let order = |k: usize| (0, k);
-        let copy = |k: usize| PeriodCopy { element: k, map: Affine::IDENTITY, order: order(k) };
+        let copy = |k: usize| PeriodCopy { element: k, map: Affine::IDENTITY, order: order(k), motif: None };
         let before: Vec<PeriodCopy> = (0..64).map(copy).collect();
         let mut of: Vec<Option<AlikeElement>> = Vec::new();
         for element in &library.elements {

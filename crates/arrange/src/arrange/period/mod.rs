@@ -46,6 +46,8 @@ pub(crate) struct PeriodCopy {
     pub(crate) map: Affine,
     /// Index of its layer in the library, and its place in the painting order there.
     pub(crate) order: (usize, usize),
+    /// Number of the motif of which it is a part.
+    pub(crate) motif: Option<u32>,
 }
 
 /// The result of placement.
@@ -233,7 +235,12 @@ fn repeated(library: &Library, params: &SynthParams, relations: &ElementRelation
                 for i in range(0, b.x0, b.x1) {
                     let shift = Vec2::new(i as f64 * period[0], j as f64 * period[1]);
                     let map = Affine::translate(shift) * own;
-                    placed.push(PeriodCopy { element: instance.element.index(), map, order: (l, n) });
+                    placed.push(PeriodCopy {
+                        element: instance.element.index(),
+                        map,
+                        order: (l, n),
+                        motif: None,
+                    });
                 }
             }
         }

@@ -23,7 +23,8 @@ pub(super) struct TakenApart {
 impl TakenApart {
     pub(super) fn new(units: &MotifUnits, placed: &[PeriodCopy]) -> Self {
         let mut apart = Self { placed: Vec::with_capacity(placed.len()), wholes: Vec::new() };
-        for unit in placed {
+        for (unit, number) in placed.iter().zip(0..) {
+            let motif = units.kind(unit.element).map(|_| number);
             let parts = &units.parts[unit.element];
             if parts.len() > 1 {
                 apart.wholes.push((unit.element, unit.map, apart.placed.len()));
@@ -32,6 +33,7 @@ impl TakenApart {
                 element: part.element,
                 map: unit.map * part.map,
                 order: part.order,
+                motif,
             }));
         }
         apart

@@ -43,7 +43,7 @@ fn pixels_of_elements_follow_all_of_a_map() {
     let params = SynthParams { width: 320, height: 320, ..SynthParams::default() };
     let relations = ElementRelations::new(&library);
     let mut canvas = OccupiedCanvas::new(&library, &params, &relations, MOST_PIXELS).unwrap();
-    let area = |map: Affine| PeriodCopy { element: 0, map, order: (0, 0) };
+    let area = |map: Affine| PeriodCopy { element: 0, map, order: (0, 0), motif: None };
     let mut fits = |map: Affine| {
         let p = area(map);
         canvas.write(&p, 1, 0);
