@@ -1,7 +1,7 @@
 //! Drawings as exemplars: import, refusals, and textures made of them.
 
 use std::collections::BTreeSet;
-use vtex::geometry::{Outline, parse_path};
+use vtex::geometry::{Outline, Point, parse_path};
 use vtex::import::{Grouping, ImportParams, import};
 use vtex::library::{AnalyzeParams, ExemplarElement, Library, SourceKind};
 use vtex::output::png;
@@ -104,7 +104,7 @@ fn elements_that_go_on_beyond_a_page_that_ends_are_whole() {
     let library = of(&inner);
     assert!(!library.arrangement.periodic);
     let at = |x: f64, y: f64| {
-        let far = |e: &&ExemplarElement| (e.centroid[0] - x).hypot(e.centroid[1] - y);
+        let far = |e: &&ExemplarElement| Point::new(e.centroid[0], e.centroid[1]).distance(Point::new(x, y));
         let all = library.primaries().iter();
         all.min_by(|a, b| far(a).total_cmp(&far(b))).unwrap()
     };

@@ -18,8 +18,9 @@ const TOLERATED: f64 = 1.06;
 const SLACK: f64 = 0.02;
 /// Rounds in which every element is looked at once.
 const ROUNDS: usize = 4;
-/// Places of the exemplar tried for an element.
+/// Places of the exemplar tried for an element, of those drawn that would help.
 const TRIED: usize = 24;
+const DRAWN: usize = 500;
 /// Elements looked at between two questions whether to go on.
 const AT_ONCE: usize = 64;
 
@@ -58,13 +59,18 @@ impl Surplus {
         self.areas[board.category(place)] -= board.size(place);
     }
 
+    /// Whether the category of a place covers clearly too much.
+    fn is_clear(&self, board: &Board<'_>, place: u32) -> bool {
+        self.areas[board.category(place)] > SLACK * self.wanted
+    }
+
     /// Whether a category covers clearly too much, and all shares together are nearer to what they should be if one place
     /// of it stands for another.
     fn falls(&self, board: &Board<'_>, from: u32, to: u32) -> bool {
         let [lost, won] = [from, to].map(|place| self.areas[board.category(place)]);
         let [less, more] = [lost - board.size(from), won + board.size(to)];
         let is_nearer = less.abs() + more.abs() < lost.abs() + won.abs();
-        lost > SLACK * self.wanted && board.category(from) != board.category(to) && is_nearer
+        self.is_clear(board, from) && board.category(from) != board.category(to) && is_nearer
     }
 
     fn exchange(&mut self, board: &Board<'_>, from: u32, to: u32) {
@@ -82,7 +88,10 @@ impl Surplus {
 pub(crate) fn thin(board: &mut Board<'_>, last: usize, go_on: &dyn Fn() -> Result<()>) -> Result<usize> {
     let mut surplus = Surplus::of(board);
     let wanted = surplus.wanted;
-    if board.area <= MOST * wanted {
+    // Beside elements that stand the neighbours say what belongs there.
+    let passes = if board.given() == 0 { &[true, false][..] } else { &[false] };
+    let most = if board.given() == 0 { MOST } else { TOLERATED };
+    if board.area <= most * wanted {
         return Ok(0);
     }
     let mut order: Vec<(f64, usize)> = Vec::new();
@@ -96,9 +105,7 @@ pub(crate) fn thin(board: &mut Board<'_>, last: usize, go_on: &dyn Fn() -> Resul
     }
     order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     let mut removed = 0;
-    for (is_loose, (support, id)) in
-        [true, false].into_iter().flat_map(|loose| order.iter().map(move |o| (loose, *o)))
-    {
+    for (is_loose, (support, id)) in passes.iter().flat_map(|loose| order.iter().map(move |o| (*loose, *o))) {
         let Some(element) = board.elements[id] else { continue };
         let goes = match is_loose {
             true => {
@@ -155,7 +162,7 @@ fn is_alone(board: &Board<'_>, place: u32) -> bool {
 
 /// What fits best in place of an element: for a part of something only what has the same shape.
 fn best(board: &Board<'_>, surplus: &Surplus, id: usize, (seed, round): (u64, usize)) -> Option<Exchange> {
-    let element = board.elements[id]?;
+    let element = board.elements[id].filter(|e| surplus.is_clear(board, e.place))?;
     let places = &board.relations.exemplar.places;
     let shape = |place: u32| board.relations.shape[board.figure(place) as usize];
     let suits = |place: &u32| {
@@ -163,11 +170,13 @@ fn best(board: &Board<'_>, surplus: &Surplus, id: usize, (seed, round): (u64, us
         let is_whole = stands || shape(element.place) == shape(*place);
         places[*place as usize].placeable && is_whole && surplus.falls(board, element.place, *place)
     };
-    let mut others: Vec<u32> = (0..places.len() as u32).filter(suits).collect();
-    if others.is_empty() {
-        return None;
-    }
-    stream(seed, "cluster/balance", (round * board.elements.len() + id) as u64).shuffle(&mut others);
+    let mut random = stream(seed, "cluster/balance", (round * board.elements.len() + id) as u64);
+    let mut others: Vec<u32> = if places.len() > DRAWN {
+        (0..DRAWN).map(|_| random.index(places.len()) as u32).filter(suits).collect()
+    } else {
+        (0..places.len() as u32).filter(suits).collect()
+    };
+    random.shuffle(&mut others);
     let own = board.support(element, Some(id));
     let fits = |place: u32| {
         let by = BoardElement { place, ..element };

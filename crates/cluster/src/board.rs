@@ -32,7 +32,8 @@ pub(crate) struct Board<'a> {
     pub(crate) elements: Vec<Option<BoardElement>>,
     cells: [usize; 2],
     lists: Vec<Vec<u32>>,
-    largest: f64,
+    /// Farthest point of any figure from its reference point.
+    pub(crate) largest: f64,
     /// Sum of the areas of all elements, in pixels.
     pub(crate) area: f64,
     /// Whether elements are made in the region alone, and not around it.

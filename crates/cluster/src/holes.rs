@@ -71,8 +71,7 @@ fn spots(board: &Board<'_>, element: BoardElement) -> Vec<[f64; 2]> {
 
 /// Whether an element with a number from `first` on is near a place.
 fn is_near(board: &Board<'_>, at: [f64; 2], within: f64, first: usize) -> bool {
-    board.elements[first..]
-        .iter()
-        .flatten()
-        .any(|e| spots(board, *e).into_iter().any(|s| length(board.plane.between(at, s)) <= within))
+    let near = board.near(at, within + board.largest).into_iter().filter(|n| n.0 >= first);
+    let mut spots = near.flat_map(|n| spots(board, n.1));
+    spots.any(|s| length(board.plane.between(at, s)) <= within)
 }
