@@ -156,7 +156,7 @@ impl FromStr for LatticeChoice {
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
     /// `curves` for a picture of lines and a drawing of irregular cells, `period` for another periodic drawing,
-    /// `descriptor` for other drawings; else `correspondence` if
+    /// `clustered` for one of small elements that is not, `descriptor` for others; else `correspondence` if
     /// every library has a guide and no option is set that only `descriptor`
     /// supports (weights of the score, parts of its method left out); otherwise `descriptor`.
     #[default]
