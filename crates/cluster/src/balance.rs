@@ -4,8 +4,7 @@
 //! The paper leaves the shares to the optimisation. Neighbourhoods that go on well come again and again, the more so on a
 //! page without a period, whose border is seldom copied.
 
-use crate::board::{Board, BoardElement};
-use crate::mend::{FITTING, wanted_areas};
+use crate::board::{Board, BoardElement, FITTING, OPERATIONS};
 use vtex_base::error::Result;
 use vtex_base::parallel;
 use vtex_base::sampling::stream;
@@ -21,8 +20,6 @@ const ROUNDS: usize = 4;
 /// Places of the exemplar tried for an element, of those drawn that would help.
 const TRIED: usize = 24;
 const DRAWN: usize = 500;
-/// Elements looked at between two questions whether to go on.
-const AT_ONCE: usize = 64;
 
 /// An element that may take the place of another.
 struct Exchange {
@@ -41,7 +38,7 @@ struct Surplus {
 
 impl Surplus {
     fn of(board: &Board<'_>) -> Self {
-        let wanted = wanted_areas(board);
+        let wanted = board.wanted_areas();
         let mut areas: Vec<f64> = wanted.iter().map(|v| -v).collect();
         for element in board.elements.iter().flatten() {
             areas[board.category(element.place)] += board.size(element.place);
@@ -89,14 +86,13 @@ pub(crate) fn thin(board: &mut Board<'_>, last: usize, go_on: &dyn Fn() -> Resul
     let mut surplus = Surplus::of(board);
     let wanted = surplus.wanted;
     // Beside elements that stand the neighbours say what belongs there.
-    let passes = if board.given() == 0 { &[true, false][..] } else { &[false] };
-    let most = if board.given() == 0 { MOST } else { TOLERATED };
+    let (most, loose) = if board.given() == 0 { (MOST, LOOSE) } else { (TOLERATED, f64::NEG_INFINITY) };
     if board.area <= most * wanted {
         return Ok(0);
     }
     let mut order: Vec<(f64, usize)> = Vec::new();
     for id in board.given()..last {
-        if usize::is_multiple_of(id, AT_ONCE) {
+        if usize::is_multiple_of(id, OPERATIONS) {
             go_on()?;
         }
         if let Some(element) = board.elements[id] {
@@ -105,16 +101,20 @@ pub(crate) fn thin(board: &mut Board<'_>, last: usize, go_on: &dyn Fn() -> Resul
     }
     order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     let mut removed = 0;
-    for (is_loose, (support, id)) in passes.iter().flat_map(|loose| order.iter().map(move |o| (*loose, *o))) {
+    for &(_, id) in order.iter().take_while(|o| o.0 < loose) {
         let Some(element) = board.elements[id] else { continue };
-        let goes = match is_loose {
-            true => {
-                support < LOOSE && is_alone(board, element.place) && surplus.is_too_many(board, element.place)
-            }
-            false => board.area > TOLERATED * wanted,
-        };
-        if goes {
+        if is_alone(board, element.place) && surplus.is_too_many(board, element.place) {
             surplus.remove(board, element.place);
+            board.remove(id);
+            removed += 1;
+        }
+    }
+    for &(_, id) in &order {
+        let Some(element) = board.elements[id] else { continue };
+        if board.area <= TOLERATED * wanted {
+            break;
+        }
+        if board.area - board.size(element.place) >= (2.0 - TOLERATED) * wanted {
             board.remove(id);
             removed += 1;
         }
@@ -133,7 +133,7 @@ pub(crate) fn balance(board: &mut Board<'_>, seed: u64, go_on: &dyn Fn() -> Resu
     for round in 0..ROUNDS {
         let mut found = Vec::new();
         let ids: Vec<usize> = (board.given()..board.elements.len()).collect();
-        for some in ids.chunks(AT_ONCE) {
+        for some in ids.chunks(OPERATIONS) {
             go_on()?;
             let of = |id: &usize| best(board, &surplus, *id, (seed, round));
             found.extend(parallel::map(some, of).into_iter().flatten());

@@ -20,8 +20,11 @@ pub(crate) struct BoardElement {
 const ABOUT: f64 = 0.1;
 /// Difference of offsets that are the same.
 pub(crate) const SAME_OFFSET: f64 = 2.0;
-/// Elements that stand, compared between two questions whether to go on.
-const AT_ONCE: usize = 64;
+/// Least share of its neighbours' fit that an element needs to be made, and how near to an equal one it may be.
+pub(crate) const FITTING: f64 = 0.1;
+pub(crate) const BESIDE: f64 = 0.75;
+/// Operations on elements between two questions whether to go on.
+pub(crate) const OPERATIONS: usize = 64;
 /// Most cells along an axis.
 const MOST_CELLS: f64 = 512.0;
 
@@ -77,7 +80,7 @@ impl<'a> Board<'a> {
             fits.into_iter().filter(|f| f.0 >= best - ABOUT).map(|f| f.1).collect::<Vec<usize>>()
         };
         let mut good = Vec::with_capacity(all.len());
-        for some in all.chunks(AT_ONCE) {
+        for some in all.chunks(OPERATIONS) {
             go_on()?;
             good.extend(parallel::map(some, good_places));
         }
@@ -131,6 +134,40 @@ impl<'a> Board<'a> {
     pub(crate) fn free_area(&self) -> f64 {
         let area = |s: &StandingElements| if self.within_region { s.inside_area } else { s.free_area };
         self.relations.standing.as_ref().map_or(self.plane.area(), area)
+    }
+
+    /// The area that the elements of each category of the exemplar cover, for the canvas; beside elements that stand, what
+    /// they cover and what is to be covered. What is only cut by the border of the page is shared out among the others.
+    pub(crate) fn wanted_areas(&self) -> Vec<f64> {
+        let relations = self.relations;
+        let figures = &relations.exemplar.figures;
+        let count = figures.iter().map(|f| f.category as usize + 1).max().unwrap_or(0);
+        let (mut areas, mut placeable) = (vec![0.0; count], vec![false; count]);
+        for (place, area) in relations.exemplar.places.iter().zip(&relations.visible) {
+            let category = figures[place.figure as usize].category as usize;
+            areas[category] += area;
+            placeable[category] |= place.placeable;
+        }
+        let all: f64 = areas.iter().sum();
+        let kept: f64 = areas.iter().zip(&placeable).filter(|a| *a.1).map(|a| a.0).sum();
+        let share = all / kept.max(1e-9) * self.free_area() / relations.exemplar.page.area();
+        let mut areas: Vec<f64> =
+            areas.iter().zip(placeable).map(|(area, is)| if is { area * share } else { 0.0 }).collect();
+        for element in relations.standing_elements().iter().filter(|e| !self.is_free(e.at)) {
+            areas[figures[element.figure as usize].category as usize] +=
+                f64::from(relations.area(element.figure));
+        }
+        areas
+    }
+
+    /// The area that all elements together should cover.
+    pub(crate) fn wanted(&self) -> f64 {
+        self.wanted_areas().iter().sum()
+    }
+
+    /// Covered area as a share of what is wanted.
+    pub(crate) fn fullness(&self) -> f64 {
+        self.area / self.wanted().max(1.0)
     }
 
     /// Removes the elements that were made around a region, and lets none be made there.

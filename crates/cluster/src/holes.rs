@@ -1,7 +1,6 @@
 //! Holes: places farther from all elements than any of the exemplar.
 
-use crate::board::{Board, BoardElement};
-use crate::mend::{BESIDE, FITTING, OPERATIONS};
+use crate::board::{BESIDE, Board, BoardElement, FITTING, OPERATIONS};
 use crate::relations::distances;
 use std::collections::BTreeSet;
 use vtex_base::error::Result;

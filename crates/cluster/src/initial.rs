@@ -339,11 +339,10 @@ fn cost(board: &Board<'_>, block: CanvasBlock, open: &OpenPoints, offset: [f64; 
     let own = open_contents(board, block, offset);
     let (mut clash, mut area, mut strange, mut pairs) = (0.0, 0.0, 0.0, 0u32);
     let mut twins = 0.0;
-    let largest = relations.reach.iter().copied().fold(0.0, f64::max);
     for element in &own {
         let figure = board.figure(element.place);
         // Elements deep within the block meet none around it.
-        let deep = (2.0 * largest + relations.clearance).max(1.5 * relations.spacing);
+        let deep = (2.0 * board.largest + relations.clearance).max(1.5 * relations.spacing);
         if block.depth(element.at) > deep {
             continue;
         }
@@ -405,8 +404,7 @@ impl OpenPoints {
     fn new(board: &Board<'_>, block: CanvasBlock) -> Self {
         let relations = board.relations;
         let middle = block.middle();
-        let largest = relations.reach.iter().copied().fold(0.0, f64::max);
-        let around = board.near(middle, 0.5 * length(block.size) + largest + relations.hole.min(100.0));
+        let around = board.near(middle, 0.5 * length(block.size) + board.largest + relations.hole.min(100.0));
         let near =
             around.into_iter().map(|n| (n.1.place, block.within([middle[0] + n.2[0], middle[1] + n.2[1]])));
         let count = block.size.map(|v| libm::ceil(v / GRID) as usize);
@@ -424,8 +422,7 @@ impl OpenPoints {
         if open.is_empty() {
             return 0.0;
         }
-        let margin =
-            board.relations.reach.iter().copied().fold(0.0, f64::max) + board.relations.hole.min(100.0);
+        let margin = board.largest + board.relations.hole.min(100.0);
         let around = CanvasBlock { low: block.low.map(|v| v - margin), size: block.size.map(|v| v + margin) };
         let expected = contents(board.relations, around, offset);
         let count = open.len();

@@ -5,7 +5,7 @@
 //! Fillers are proposed by elements that stand: the neighbours that they have in the exemplar.
 
 use crate::balance::thin;
-use crate::board::{Board, BoardElement};
+use crate::board::{BESIDE, Board, BoardElement, FITTING, OPERATIONS};
 use crate::holes::fill_holes;
 use std::cmp::Reverse;
 use std::collections::{BTreeSet, BinaryHeap};
@@ -17,17 +17,11 @@ const ROUNDS: usize = 6;
 const STEPS: [f64; 3] = [0.02, 0.06, 0.14];
 /// Directions of moves.
 const DIRECTIONS: usize = 8;
-/// Least share of its neighbours' fit that a filler needs.
-pub(crate) const FITTING: f64 = 0.1;
 /// Covered area, as a share of the exemplar's, up to which elements are added.
 const LEAST: f64 = 1.0;
-/// Covered area, as a share of the exemplar's, below which elements are scattered; how many places are tried, and how
-/// near to an equal one an element may be.
+/// Covered area, as a share of the exemplar's, below which elements are scattered, and how many places are tried.
 const SPARSE: f64 = 0.9;
 const DARTS: usize = 4000;
-pub(crate) const BESIDE: f64 = 0.75;
-/// Operations between two questions whether to go on.
-pub(crate) const OPERATIONS: usize = 64;
 
 /// Elements moved, removed and added.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -170,44 +164,10 @@ fn remove_clashing(
     Ok(())
 }
 
-/// The area that the elements of each category of the exemplar cover, for the canvas; beside elements that stand, what
-/// they cover and what is to be covered. What is only cut by the border of the page is shared out among the others.
-pub(crate) fn wanted_areas(board: &Board<'_>) -> Vec<f64> {
-    let relations = board.relations;
-    let figures = &relations.exemplar.figures;
-    let count = figures.iter().map(|f| f.category as usize + 1).max().unwrap_or(0);
-    let (mut areas, mut placeable) = (vec![0.0; count], vec![false; count]);
-    for (place, area) in relations.exemplar.places.iter().zip(&relations.visible) {
-        let category = figures[place.figure as usize].category as usize;
-        areas[category] += area;
-        placeable[category] |= place.placeable;
-    }
-    let all: f64 = areas.iter().sum();
-    let kept: f64 = areas.iter().zip(&placeable).filter(|a| *a.1).map(|a| a.0).sum();
-    let share = all / kept.max(1e-9) * board.free_area() / relations.exemplar.page.area();
-    let mut areas: Vec<f64> =
-        areas.iter().zip(placeable).map(|(area, is)| if is { area * share } else { 0.0 }).collect();
-    for element in relations.standing_elements().iter().filter(|e| !board.is_free(e.at)) {
-        areas[figures[element.figure as usize].category as usize] +=
-            f64::from(relations.area(element.figure));
-    }
-    areas
-}
-
-/// The area that all elements of the exemplar cover, for the canvas.
-fn wanted(board: &Board<'_>) -> f64 {
-    wanted_areas(board).iter().sum()
-}
-
-/// Covered area as a share of the exemplar's.
-pub(crate) fn fullness(board: &Board<'_>) -> f64 {
-    board.area / wanted(board).max(1.0)
-}
-
 /// Adds what neighbours propose and no element stands against, the best fitting first, up to the exemplar's area.
 fn fill(board: &mut Board<'_>, counts: &mut MendCounts, go_on: &dyn Fn() -> Result<()>) -> Result<()> {
-    let wanted = wanted(board);
-    if fullness(board) >= LEAST {
+    let wanted = board.wanted();
+    if board.fullness() >= LEAST {
         return Ok(());
     }
     let mut queue: BinaryHeap<(i64, Reverse<u32>, [i64; 2])> = BinaryHeap::new();
@@ -265,7 +225,7 @@ fn scatter(
     counts: &mut MendCounts,
     go_on: &dyn Fn() -> Result<()>,
 ) -> Result<()> {
-    let wanted = wanted(board);
+    let wanted = board.wanted();
     let places = &board.relations.exemplar.places;
     let placeable: Vec<u32> = (0..places.len() as u32).filter(|k| places[*k as usize].placeable).collect();
     let mut random = stream(seed, "cluster/scatter", 0);

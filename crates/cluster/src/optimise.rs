@@ -8,7 +8,7 @@ use crate::existence::add_missing;
 use crate::figures::ClusterExemplar;
 use crate::initial::{blocks, copy, is_regular};
 use crate::input::{InputSamples, LevelScale};
-use crate::mend::{MendCounts, complete, fullness, mend};
+use crate::mend::{MendCounts, complete, mend};
 use crate::output::OutputSamples;
 use crate::positions::improve_positions;
 use crate::rebuild::{rebuilt, sampled};
@@ -265,7 +265,7 @@ fn first_arrangement<'a>(
     for part in [1.0, 0.5, 0.2, 0.0] {
         let mut board = blocks(relations, plane, (variation * part, params.seed), go_on)?;
         let counts = mend(&mut board, params.seed, go_on)?;
-        let fullness = fullness(&board);
+        let fullness = board.fullness();
         if kept.as_ref().is_none_or(|k| fullness > k.0) {
             kept = Some((fullness, board, counts));
         }
@@ -416,14 +416,13 @@ fn painting_order(
     go_on()?;
     let relations = board.relations;
     let mut preferences: BTreeMap<[u32; 2], f64> = BTreeMap::new();
-    let largest = relations.reach.iter().copied().fold(0.0, f64::max);
     for (n, &id) in ids.iter().enumerate() {
         if usize::is_multiple_of(n, 64) {
             go_on()?;
         }
         let Some(element) = board.elements[id] else { continue };
         let figure = board.figure(element.place);
-        for (other, there, way) in board.near(element.at, relations.reach[figure as usize] + largest) {
+        for (other, there, way) in board.near(element.at, relations.reach[figure as usize] + board.largest) {
             let (a, b) = (rank[id], rank[other]);
             let there = board.figure(there.place);
             let meets =

@@ -4,6 +4,9 @@ use super::plane::PeriodicPlane;
 use super::{Interior, Outline, Point};
 use crate::parallel;
 
+/// Most cells of the grid on which areas are measured, along an axis.
+const MOST_CELLS: f64 = 1000.0;
+
 /// A window of a canvas around a region. Places are those of the window, from its corner.
 #[derive(Debug)]
 pub struct RegionWindow {
@@ -50,10 +53,10 @@ impl RegionWindow {
         [way.x + self.low[0], way.y + self.low[1]]
     }
 
-    /// Area of the places that satisfy a condition, on a grid of a step.
+    /// Area of the places that satisfy a condition, on a grid of a step, of at most [`MOST_CELLS`] cells along an axis.
     pub fn area_of(&self, step: f64, condition: impl Fn([f64; 2]) -> bool + Sync + Send) -> f64 {
         let size = self.plane.size;
-        let count = size.map(|side| libm::ceil(side / step).max(1.0));
+        let count = size.map(|side| libm::ceil(side / step).clamp(1.0, MOST_CELLS));
         let rows: Vec<usize> = (0..count[1] as usize).collect();
         let in_row = parallel::map(&rows, |row| {
             let y = (*row as f64 + 0.5) * size[1] / count[1];

@@ -229,7 +229,8 @@ impl Interpolation {
                         let library = self.indices[side][element.library.index()];
                         scene.add(Element { library, ..element.clone() })
                     });
-                    Instance { id, element, ..instance }
+                    // Motifs of both scenes have the same numbers.
+                    Instance { id, element, motif: None, ..instance }
                 }
                 TweenContent::New { element, at, effects } => {
                     let at = home(at);

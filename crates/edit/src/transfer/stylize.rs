@@ -293,7 +293,7 @@ fn composed(painting: &Painting<'_>, view: &StretchedPicture, spots: &[Spot], la
             Keep::Lightness | Keep::Color => donors.draw(*role, &spot.gaussian, random),
         };
         let Some(donor) = donor else { continue };
-        let mut instance = Instance { id: InstanceId(k as u32), ..donor.instance.clone() };
+        let mut instance = Instance { id: InstanceId(k as u32), motif: None, ..donor.instance.clone() };
         instance.shadow = None;
         instance.stroke = None;
         instance.element = *known.entry(donor.instance.element).or_insert_with(|| {

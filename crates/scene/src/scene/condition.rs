@@ -9,8 +9,8 @@ pub const NAMES: [&str; 10] =
     ["category", "library", "id", "motif", "area", "elongation", "x", "y", "inside", "outside"];
 
 /// The syntax of conditions, for messages.
-pub const EXPECTED: &str = "category=3, category!=3, category=3|5, library=1, id=17, motif=4, area>200, elongation>1.5, \
-                            x<500, y>=20, inside=FILE, outside=FILE";
+pub const EXPECTED: &str = "category=3, category!=3, category=3|5, library=1, id=17, motif=4, area>200, \
+                            elongation>1.5, x<500, y>=20, inside=FILE, outside=FILE";
 
 /// A fault in the text of a condition.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
