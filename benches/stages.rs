@@ -132,7 +132,7 @@ fn measure_synthesis(library: &Path, side: u32) -> Outcome<Value> {
     let svgz_bytes = packed(|out| svg::write(&scene, &options, out).map(|_| ()))?;
     watch.next("png");
     let mut png_bytes = Count(0);
-    png::encode(&png::render(&scene, 1.0)?, Some(params.seed), &mut png_bytes)?;
+    png::encode(&png::render(&scene, 1.0)?, Some(params.seed), None, &mut png_bytes)?;
     let stages = watch.stop();
     Ok(json!({
         "seconds": sum(&stages, "svgz"),

@@ -70,7 +70,7 @@ pub mod edit {
     #[doc(inline)]
     pub use vtex_edit::edit::{
         About, Action, ColourOrMap, Comparison, Condition, Direction, Distribution, Files, Identity, Jitter,
-        NumberOrMap, Operation, OrderBy, Outcome, Quantity, ThinOrder, Within, apply, validate,
+        Keep, NumberOrMap, Operation, OrderBy, Outcome, Quantity, ThinOrder, Within, apply, validate,
     };
     /// Text → condition, such as `category=3|5`, `area>200` or `inside=disc.svg`.
     pub mod condition {
@@ -118,7 +118,9 @@ pub mod geometry {
 /// Drawing → library: an SVG read as elements in layers.
 pub mod import {
     #[doc(inline)]
-    pub use vtex_drawing::import::{Grouping, ImportParams, as_drawn, drawn, import, is_drawing};
+    pub use vtex_drawing::import::{
+        Grouping, ImportParams, as_drawn, drawn, import, is_drawing, shows_lines,
+    };
 }
 
 /// Two scenes → a scene between them: textons move and change into those of the other scene (paper
@@ -178,15 +180,15 @@ pub mod output {
         #[doc(inline)]
         pub use vtex_output::layer_map::{write_grey, write_json, write_png, write_svg};
     }
-    /// Scene → PDF: one page of pure vectors, 96 pixels to the inch as in SVG.
+    /// Scene → PDF: one page of pure vectors.
     pub mod pdf {
         #[doc(inline)]
-        pub use vtex_output::pdf::{write, write_at};
+        pub use vtex_output::pdf::write;
     }
     /// Scene → pixels and PNG, drawn directly.
     pub mod png {
         #[doc(inline)]
-        pub use vtex_output::png::{encode, encode_rgb, over_white, render, straight};
+        pub use vtex_output::png::{encode, encode_rgb, over_white, render, render_page, straight};
     }
     /// Frames → one animated file: GIF or animated PNG (APNG).
     pub mod raster_animation {
@@ -213,7 +215,7 @@ pub mod output {
     pub mod svg {
         #[doc(inline)]
         pub use vtex_output::svg::{
-            Animation, SvgOptions, SvgSummary, write, write_animation, write_at, write_flow, write_pattern,
+            Animation, SvgOptions, SvgSummary, write, write_animation, write_flow, write_pattern,
             write_with_recipe,
         };
     }
@@ -232,7 +234,7 @@ pub mod pixels {
 pub mod raster {
     #[doc(inline)]
     pub use vtex_base::raster::{
-        Connectivity, ControlMap, LabelMap, Limits, Mask, Span, components, components_of_mask,
+        Connectivity, ControlMap, LabelMap, Limits, Mask, Span, components, components_of_mask, is_picture,
         squared_distance,
     };
     /// Colours: 8-bit sRGB for files; linear light and Oklab for arithmetic.
@@ -276,9 +278,9 @@ pub mod scene {
     pub use vtex_scene::scene::{
         Ablation, About, Action, Axis, Between, CategoryId, ColourOrMap, Comparison, Condition, ControlPoint,
         Direction, Distribution, Domain, Edge, EditRecord, Element, ElementId, Field, Gradient, Identity,
-        Instance, InstanceId, Jitter, LatticeChoice, Layer, LibraryId, LibraryRef, Method, NumberOrMap,
-        Operation, OrderBy, Place, Quantity, Recorded, Role, Scene, Shadow, Shape, Stroke, SynthParams,
-        ThinOrder, Tile, Transfer, TransferMode, Weights, Within, splat,
+        Instance, InstanceId, Jitter, LatticeChoice, Layer, Length, LengthUnit, LibraryId, LibraryRef,
+        Method, NumberOrMap, Operation, OrderBy, Place, Quantity, Recorded, Role, Scene, Shadow, Shape,
+        Stroke, SynthParams, ThinOrder, Tile, Transfer, TransferMode, Weights, Within, page_at, splat,
     };
     /// The background field: radial basis functions through coloured points.
     pub mod field {
@@ -344,8 +346,8 @@ pub mod statistics {
 pub mod synth {
     #[doc(inline)]
     pub use vtex_arrange::synth::{
-        CategoryReport, ClusterReport, Controls, CurveReport, DrawnContext, StratumReport, Structure,
-        StructureGuide, SynthReport, SynthesisMemory, default_size, layer_map, reconstruct, synthesize,
+        CanvasSize, CategoryReport, ClusterReport, Controls, Cost, CurveReport, DrawnContext, StratumReport,
+        Structure, StructureGuide, SynthReport, SynthesisMemory, layer_map, reconstruct, synthesize,
         synthesize_again, synthesize_with,
     };
 }

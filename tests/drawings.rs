@@ -4,11 +4,12 @@ use std::collections::BTreeSet;
 use vtex::geometry::{Outline, Point, parse_path};
 use vtex::import::{Grouping, ImportParams, import};
 use vtex::library::{AnalyzeParams, ExemplarElement, Library, SourceKind};
-use vtex::output::png;
 use vtex::output::raster_svg::render_svg;
+use vtex::output::svg::{self, SvgOptions};
+use vtex::output::{pdf, png};
 use vtex::raster::ControlMap;
 use vtex::scene::{Edge, Method, Scene, SynthParams, Tile};
-use vtex::synth::{Controls, reconstruct, synthesize, synthesize_with};
+use vtex::synth::{CanvasSize, Controls, Cost, reconstruct, synthesize, synthesize_with};
 use vtex::{Error, Result};
 
 const GARDEN: &[u8] = include_bytes!("../examples/drawings/garden.svg");
@@ -286,6 +287,96 @@ fn a_tile_is_a_whole_number_of_periods() {
         SynthParams { width: library.source.width + 10, height: 300, tile, ..SynthParams::default() };
     let error = synthesize(&library, &params, &()).unwrap_err().to_string();
     assert!(error.contains(&format!("{}x", library.source.width)), "{error}");
+}
+
+/// A swatch of 13.9 x 14.3 units with some elements.
+fn small_swatch() -> Library {
+    let inner = r##"<rect width="13.9" height="14.3" fill="#fff"/><circle cx="3" cy="3" r="1.2"/>
+        <circle cx="9" cy="10" r=".8" fill="#c33"/><path d="M6 5h2v1h-2z"/>"##;
+    let text = format!(r#"<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 13.9 14.3">{inner}</svg>"#);
+    read(text.as_bytes()).unwrap()
+}
+
+fn sized(library: &Library, size: CanvasSize, params: SynthParams) -> Scene {
+    let mut params = params;
+    size.set(&mut params, std::slice::from_ref(library), None);
+    texture(library, params)
+}
+
+#[test]
+fn a_small_drawing_is_shown_three_times_along_each_axis() {
+    let library = small_swatch();
+    let still = SynthParams { variation: Some(0.0), method: Method::Period, ..SynthParams::default() };
+    let scene = sized(&library, CanvasSize::Auto, still.clone());
+    // 41.7 x 42.9 units at 900 px.
+    assert_eq!(([scene.width, scene.height], scene.picture_size(1.0)), ([42, 43], [875, 900]));
+    assert_eq!(scene.count(), 9 * library.primaries().len());
+    // On the page, periods are exact thirds.
+    let places: Vec<[f64; 2]> =
+        scene.instances().map(|i| [i.transform[4] / 42.0, i.transform[5] / 43.0]).collect();
+    for [x, y] in &places {
+        for wanted in [[x + 1.0 / 3.0, *y], [*x, y + 1.0 / 3.0]] {
+            let found = places.iter().any(|p| (0..2).all(|k| (p[k] - wanted[k]).abs() < 1e-4));
+            assert!(found || wanted.iter().any(|v| *v > 0.99), "{wanted:?}");
+        }
+    }
+    // A tile has whole periods on any page.
+    let both = Tile { x: true, y: true };
+    let lengths = |text: [&str; 2]| CanvasSize::Page(text.map(|side| side.parse().unwrap()));
+    for (page, most) in [(["300mm", "300mm"], 0.03), (["3m", "1m"], 0.03), (["10cm", "29.7cm"], 0.04)] {
+        let tiled = SynthParams { tile: both, ..still.clone() };
+        let scene = sized(&library, lengths(page), tiled);
+        let [wide, high] = scene.css_size();
+        let counts = [f64::from(scene.width) / 13.9, f64::from(scene.height) / 14.3];
+        let whole = counts.map(f64::round);
+        assert!((0..2).all(|k| (counts[k] - whole[k]).abs() < 0.05), "{page:?}: {counts:?}");
+        let stretch = (whole[0] * 13.9 / wide) / (whole[1] * 14.3 / high);
+        assert!((stretch - 1.0).abs() < most, "{page:?}: {whole:?}, {stretch}");
+        assert_eq!(scene.count() as f64, whole[0] * whole[1] * library.primaries().len() as f64);
+        assert_eq!(scene.page.map(|page| page.map(|side| side.to_string())), Some(page.map(str::to_owned)));
+    }
+}
+
+#[test]
+fn a_drawing_of_many_elements_is_repeated_less_unasked() {
+    let dots: String = (0..1500)
+        .map(|k| {
+            format!(
+                r#"<circle cx="{}" cy="{}" r=".4"/>"#,
+                f64::from(k % 50) * 2.0 + 1.0,
+                f64::from(k / 50) * 2.6 + 1.0
+            )
+        })
+        .collect();
+    let library = of(&dots);
+    let mut params = SynthParams::default();
+    CanvasSize::Auto.set(&mut params, std::slice::from_ref(&library), None);
+    assert_eq!([params.width, params.height], [200, 160], "two by two pages");
+    let explicit = CanvasSize::Pixels([500, 300]);
+    explicit.set(&mut params, std::slice::from_ref(&library), None);
+    assert_eq!(([params.width, params.height], params.page), ([500, 300], None));
+}
+
+#[test]
+fn the_cost_of_a_texture_is_known_before() {
+    let garden = read(GARDEN).unwrap();
+    for (library, pages) in
+        [(garden, 8.0), (small_swatch(), 30.0), (crate::support::library("terrazzo"), 3.0)]
+    {
+        let [w, h] = library.page().map(|side| (pages * side) as u32);
+        let params = SynthParams { width: w, height: h, ..SynthParams::default() };
+        let cost = Cost::of(std::slice::from_ref(&library), &params);
+        let scene = texture(&library, params);
+        let shapes: usize = scene.instances().map(|i| scene.element(i).shapes.len()).sum();
+        let svg = svg::write(&scene, &SvgOptions::default(), std::io::sink()).unwrap().bytes;
+        let pdf = pdf::write(&scene, std::io::sink()).unwrap();
+        let found = [shapes as f64, svg as f64, pdf as f64];
+        for (k, estimate) in [cost.shapes, cost.svg_bytes, cost.pdf_bytes].into_iter().enumerate() {
+            let by = estimate / found[k];
+            assert!((0.5..2.0).contains(&by), "{}: {k}: {estimate} for {}", library.source.file, found[k]);
+        }
+        assert!(!cost.is_heavy(&cost));
+    }
 }
 
 #[test]

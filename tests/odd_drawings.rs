@@ -47,10 +47,53 @@ fn thin_strokes_across_the_border_are_read_in_time() {
 }
 
 #[test]
-fn a_stroke_wider_than_the_page_is_read() {
-    let stroke = r#"<path d="M-5 40H105" stroke="red" stroke-width="1e6"/><circle cx="9" cy="9" r="4"/>"#;
-    let library = read_as(stroke, Some(true), AnalyzeParams::default()).unwrap();
+fn a_stroke_wider_than_the_page_is_read_and_a_far_wider_one_refused() {
+    let stroke = |width: &str| {
+        format!(r#"<path d="M-5 40H105" stroke="red" stroke-width="{width}"/><circle cx="9" cy="9" r="4"/>"#)
+    };
+    let library = read_as(&stroke("1e3"), Some(true), AnalyzeParams::default()).unwrap();
     assert!(library.primaries().len() <= 2);
+    let refused = read(&stroke("1e8")).unwrap_err().to_string();
+    assert!(refused.contains("further than a hundred pages"), "{refused}");
+    assert_eq!(lenient(&stroke("1e8")).primaries().len(), 1);
+}
+
+#[test]
+fn lines_without_length_are_the_dots_that_their_caps_paint() {
+    let dots = [
+        r#"<path d="M10 10h0"/>"#,
+        r#"<path d="M30 10L30 10"/>"#,
+        r#"<line x1="50" y1="10" x2="50" y2="10"/>"#,
+        r#"<path d="M70 10z"/>"#,
+        r#"<path d="M90 10h.001"/>"#,
+        r#"<polyline points="10 30 10 30"/>"#,
+        r#"<path d="M30 30c0 0 0 0 0 0"/>"#,
+        r#"<path d="M50 30h0M70 30v0"/>"#,
+        r#"<g transform="scale(1 -1)"><path d="M90-30h0"/></g>"#,
+    ];
+    let with = |cap: &str, inner: &str| {
+        format!(r##"<g fill="none" stroke="#c33" stroke-width="6" stroke-linecap="{cap}">{inner}</g>"##)
+    };
+    let areas = |library: &Library| -> Vec<f64> {
+        let scale = f64::from(library.source.width) / 100.0;
+        library.primaries().iter().map(|e| e.base().outline.area() / scale / scale).collect()
+    };
+    for (cap, area) in [("round", std::f64::consts::PI * 9.0), ("square", 36.0)] {
+        let found = areas(&read(&with(cap, &dots.concat())).unwrap());
+        assert_eq!(found.len(), 10, "{cap}");
+        assert!(found.iter().all(|a| (a - area).abs() < 0.02 * area), "{cap}: {found:?}");
+        // Lines beside dots stay lines; dashes without length are dots too.
+        let mixed = read(&with(cap, r#"<path d="M10 20h0M20 60h30"/>"#)).unwrap();
+        let lines = mixed.primaries().iter().filter(|e| e.base().line.is_some()).count();
+        assert_eq!((mixed.primaries().len(), lines), (2, 1), "{cap}");
+        let dotted = read(&with(cap, r#"<path d="M10 40h80" stroke-dasharray="0 10"/>"#)).unwrap();
+        let found = areas(&dotted)[0];
+        assert!((8.0..9.5).contains(&(found / area)), "{cap}: {found}");
+    }
+    assert!(read(&with("butt", &dots.concat())).unwrap().primaries().is_empty());
+    // A stretched dot is an ellipse.
+    let stretched = read(&with("round", r#"<path transform="scale(2 1)" d="M20 30h0"/>"#)).unwrap();
+    assert!((areas(&stretched)[0] - std::f64::consts::PI * 18.0).abs() < 1.0);
 }
 
 #[test]

@@ -55,7 +55,7 @@ fn svg_of(scene: &Scene) -> Vec<u8> {
 
 fn png_of(scene: &Scene) -> Vec<u8> {
     let mut bytes = Vec::new();
-    png::encode(&png::render(scene, 1.0).unwrap(), Some(3), &mut bytes).unwrap();
+    png::encode(&png::render(scene, 1.0).unwrap(), Some(3), None, &mut bytes).unwrap();
     bytes
 }
 

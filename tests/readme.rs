@@ -144,11 +144,11 @@ macro_rules! tests {
 
 tests! {
     readme_texture readme_two_steps
-    in_one_go in_two_steps tiles methods lattices shapes_and_maps warps edits interpolations layers
+    in_one_go in_two_steps tiles print_sizes methods lattices shapes_and_maps warps edits interpolations layers
     layered_textures pixels pictures vectorized_photographs contents inspection masks configuration batches
     manuals
     metrics tuning
-    style_rules colours_of_categories numbers_of_categories
+    style_rules colours_of_categories colourway numbers_of_categories
 }
 
 #[test]

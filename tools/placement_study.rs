@@ -270,7 +270,7 @@ impl Study {
                     let file = format!("{}-{}.png", e.name, name.replace(", ", "-").replace(' ', "-"));
                     let scene = synth::synthesize(&e.library, &params, &())?;
                     let out = io::BufWriter::new(std::fs::File::create(folder.join(file))?);
-                    png::encode(&png::render(&scene, 1.0)?, Some(params.seed), out)?;
+                    png::encode(&png::render(&scene, 1.0)?, Some(params.seed), None, out)?;
                 }
             }
         }

@@ -9,7 +9,7 @@ use serde::Deserialize;
 use std::path::PathBuf;
 use vtex::analyze::{Limits, borders_join};
 use vtex::engine::{EngineOptions, NetworkSource, Runtime};
-use vtex::import::{ImportParams, import, is_drawing};
+use vtex::import::{ImportParams, import, is_drawing, shows_lines};
 use vtex::layers::LayerPicture;
 use vtex::library::{AnalyzeParams, PictureKind};
 use vtex::segment::prompt::{Generator, GeneratorParams, Sam};
@@ -119,6 +119,9 @@ pub(crate) fn analyze(
         }
         let mut exemplar = exemplar.exemplar(&name)?;
         exemplar.file = file;
+        if shows_lines(&exemplar.image) {
+            progress.warn("the picture shows lines on paper: kind='curves' reads it as a drawing of strokes");
+        }
         if let Some((name, bytes)) = layer_map {
             exemplar.layers = Some(LayerPicture::from_bytes(&bytes, &name, &Limits::default())?.layers()?);
         }

@@ -109,6 +109,9 @@ fn hint(error: &Error) -> Option<String> {
         Error::Edit { fault: EditFault::NoLayer { known, .. }, .. } => {
             return Some(format!("layer takes {}", known.join(", ")));
         }
+        Error::Edit { fault: EditFault::NoCategory { known, .. }, .. } => {
+            return Some(format!("the categories are {}", known.join(", ")));
+        }
         Error::Edit { fault: EditFault::BackgroundCondition, .. } => {
             "its points are told apart by x, y, inside and outside"
         }

@@ -66,8 +66,8 @@ impl Scene {
     /// Pixels: height × width × 3 over white, or × 4 with opacity.
     fn render<'py>(&self, py: Python<'py>, options: &str, alpha: bool) -> PyResult<Bound<'py, PyArray3<u8>>> {
         let options: WritingOptions = from_json(py, options, "render")?;
-        let (values, width, height) = run(py, None, |_| {
-            let pixmap = png::render(&*options.scene(&self.inner)?, options.scale)?;
+        let (values, width, height) = run(py, None, |progress| {
+            let pixmap = png::render_page(&*options.scene(&self.inner)?, options.scale, progress)?;
             let (width, height) = (pixmap.width() as usize, pixmap.height() as usize);
             let values = if alpha { png::straight(&pixmap, 4) } else { png::over_white(&pixmap).into_raw() };
             Ok((values, width, height))
@@ -112,6 +112,11 @@ impl Scene {
     #[getter]
     fn height(&self) -> u32 {
         self.inner.height
+    }
+
+    #[getter]
+    fn page(&self) -> Option<(String, String)> {
+        self.inner.page.map(|[width, height]| (width.to_string(), height.to_string()))
     }
 
     #[getter]

@@ -6,12 +6,13 @@ use crate::run::run;
 use crate::scene::Scene;
 use crate::writing::from_json;
 use pyo3::prelude::*;
+use serde::Deserialize;
 use std::borrow::Cow;
 use vtex::analyze::Limits;
 use vtex::import::{as_drawn, is_drawing};
 use vtex::layers::LayerPicture;
-use vtex::scene::SynthParams;
-use vtex::synth::{self, Controls, DrawnContext, StructureGuide, default_size, layer_map, synthesize_with};
+use vtex::scene::{Length, LengthUnit, SynthParams};
+use vtex::synth::{self, CanvasSize, Controls, DrawnContext, StructureGuide, layer_map, synthesize_with};
 use vtex::{Result, control, library};
 
 /// Files that steer.
@@ -75,14 +76,38 @@ impl SteeringFiles {
     }
 }
 
-/// Synthesises a texture. Without `size`, the canvas is [`default_size`] of the libraries.
+/// The size that is asked for: in pixels, as a page, or neither.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct AskedSize {
+    pixels: Option<[u32; 2]>,
+    page: Option<[Length; 2]>,
+    dpi: Option<u32>,
+}
+
+impl AskedSize {
+    /// The size, or that of a drawing beside which the texture is made.
+    fn size(&self, drawing: Option<&library::Library>) -> CanvasSize {
+        match (self.pixels, self.page, drawing) {
+            (Some(size), ..) => CanvasSize::Pixels(size),
+            (_, Some(page), _) if page.iter().all(|side| side.unit() == LengthUnit::Pixel) => {
+                CanvasSize::Pixels(page.map(|side| side.value().round() as u32))
+            }
+            (_, Some(page), _) => CanvasSize::Page(page),
+            (.., Some(drawing)) => CanvasSize::Pixels([drawing.source.width, drawing.source.height]),
+            _ => CanvasSize::Auto,
+        }
+    }
+}
+
+/// Synthesises a texture on a [`CanvasSize`].
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "called by keyword from Python, in one place")]
 pub(crate) fn synthesize(
     py: Python<'_>,
     libraries: Vec<PyRef<'_, Library>>,
     parameters: &str,
-    sized: bool,
+    canvas: &str,
     domain: Option<Named>,
     density: Option<Named>,
     maps: Vec<Named>,
@@ -95,6 +120,7 @@ pub(crate) fn synthesize(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Scene> {
     let mut params: SynthParams = from_json(py, parameters, "synthesize")?;
+    let asked: AskedSize = from_json(py, canvas, "size")?;
     let libraries: Vec<_> = libraries.iter().map(|library| library.inner.clone()).collect();
     let steering = SteeringFiles { domain, density, maps, control, guide, region, anew, source };
     let made = run(py, progress, move |progress| {
@@ -104,12 +130,7 @@ pub(crate) fn synthesize(
             several => several.iter().map(|library| (**library).clone()).collect(),
         };
         let drawing = context.as_ref().map(|(name, bytes)| as_drawn(bytes, name, progress)).transpose()?;
-        if !sized {
-            [params.width, params.height] = match &drawing {
-                Some(drawing) => [drawing.source.width, drawing.source.height],
-                None => default_size(&libraries),
-            };
-        }
+        asked.size(drawing.as_ref()).set(&mut params, &libraries, asked.dpi);
         params.validate()?;
         let canvas = [params.width, params.height];
         let mut controls = steering.controls(canvas, &libraries)?;

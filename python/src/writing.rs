@@ -22,7 +22,7 @@ pub(crate) struct WritingOptions {
     expand: bool,
     css: bool,
     max_bytes: Option<u64>,
-    /// Pixels of a PNG for each pixel of the canvas.
+    /// Pixels of a PNG for each pixel of the canvas, or of a page in pixels.
     pub(crate) scale: f64,
     /// A colour, or `none`; the exemplar's if it is not given.
     background: Option<String>,
@@ -56,29 +56,44 @@ impl WritingOptions {
     fn write(&self, scene: &Scene, kind: FileKind, out: &mut dyn Write) -> io::Result<Vec<String>> {
         let FileKind { format, gzip } = kind;
         match format {
-            Format::Svg => return self.write_svg(scene, gzip, out),
-            Format::Pdf => drop(pdf::write(scene, out)?),
+            Format::Svg => {
+                let write = |scene: &Scene, options: &SvgOptions, out: &mut dyn Write| {
+                    packed(gzip, out, |out| svg::write(scene, options, out)).map(|summary| summary.warnings)
+                };
+                return self.write_within(scene, write, out);
+            }
+            Format::Pdf => {
+                let write = |scene: &Scene, _: &SvgOptions, out: &mut dyn Write| {
+                    pdf::write(scene, out).map(|_| Vec::new())
+                };
+                return self.write_within(scene, write, out);
+            }
             Format::Png => {
                 let seed = scene.parameters.as_ref().map(|p| p.seed);
-                png::encode(&png::render(scene, self.scale)?, seed, out)?;
+                png::encode(&png::render_page(scene, self.scale, &())?, seed, scene.page, out)?;
             }
             Format::Scene | Format::Library => write_document(&scene.to_json(), gzip, out)?,
         }
         Ok(Vec::new())
     }
 
-    fn write_svg(&self, scene: &Scene, gzip: bool, out: &mut dyn Write) -> io::Result<Vec<String>> {
-        let options = SvgOptions { precision: self.precision, expand: self.expand, css: self.css };
-        let Some(most) = self.max_bytes else {
-            return Ok(packed(gzip, out, |out| svg::write(scene, &options, out))?.warnings);
-        };
+    /// Writes a scene by `writer`, which returns its warnings, reduced to the permitted number of bytes.
+    fn write_within(
+        &self,
+        scene: &Scene,
+        writer: impl Fn(&Scene, &SvgOptions, &mut dyn Write) -> io::Result<Vec<String>>,
+        out: &mut dyn Write,
+    ) -> io::Result<Vec<String>> {
+        let options =
+            SvgOptions { precision: self.precision, expand: self.expand, css: self.css, names: true };
+        let Some(most) = self.max_bytes else { return writer(scene, &options, out) };
         let measure = |scene: &Scene, options: &SvgOptions| {
             let mut out = Sealed::new(PythonByteCounter(0));
-            packed(gzip, &mut out, |out| svg::write(scene, options, out))?;
+            writer(scene, options, &mut out)?;
             io::Result::Ok(out.finish()?.0)
         };
         let reduced = reduce::to_fit(scene, &options, most, measure)?;
-        Ok(packed(gzip, out, |out| svg::write(&reduced.scene, &reduced.options, out))?.warnings)
+        writer(&reduced.scene, &reduced.options, out)
     }
 
     /// The bytes of a file, sealed as a file is.

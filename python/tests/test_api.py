@@ -32,6 +32,20 @@ def test_a_library_becomes_a_scene(scene, library):
     assert "300 x 200 px" in repr(scene)
 
 
+def test_sizes_may_be_lengths(library):
+    scene = vtex.synthesize(library, "300mmx100mm", dpi=30)
+    assert (scene.width, scene.height, scene.page) == (354, 118, ("300mm", "100mm"))
+    assert scene == vtex.synthesize(library, ("300mm", "100mm"), dpi=30)
+    assert b'width="300mm" height="100mm"' in scene.svg().encode()
+    assert vtex.synthesize(library, (90, 60), dpi=150).page == ("15.24mm", "10.16mm")
+    assert vtex.synthesize(library, 90).page is None
+    for wrong in ("9kg", "300", ("3m", "1kg")):
+        with pytest.raises(vtex.InputError, match="size"):
+            vtex.synthesize(library, wrong)
+    with pytest.raises(vtex.InputError, match="dpi"):
+        vtex.synthesize(library, "3m", dpi=0)
+
+
 def test_the_size_is_a_number_a_pair_or_the_default(library):
     assert (vtex.synthesize(library, 90).width, vtex.synthesize(library, 90).height) == (90, 90)
     by_numpy = vtex.synthesize(library, np.array([80, 70]))
@@ -247,9 +261,9 @@ def test_parameters_have_the_names_and_defaults_of_the_schema(schema, definition
     document = json.loads((ROOT / "schema" / f"{schema}.schema.json").read_text())
     fields = document["$defs"][definition]["properties"]
     signature = inspect.signature(function).parameters
-    # Two are said in another way.
-    named = {"width": "size", "height": "size"}
-    differently = {"width", "height", "weights", "tile", "wrap"}
+    # Some have another form.
+    named = {"width": "size", "height": "size", "page": "size"}
+    differently = {"width", "height", "page", "weights", "tile", "wrap"}
     # Defaults that files leave out, and schemas with them.
     unstored = {"group": "auto", "kind": "photo", "exclude": []}
     for name, field in fields.items():

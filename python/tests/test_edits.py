@@ -104,6 +104,10 @@ DEFAULTS = [
     (vtex.Orient(30), "orient 30"),
     (vtex.Tint("tan"), "tint tan"),
     (vtex.Recolor("#808080", "#3060a0"), "recolor --from #808080 --to #3060a0"),
+    (
+        vtex.Recolor("#808080", "#3060a0", keep="details"),
+        "recolor --from #808080 --to #3060a0 --keep details",
+    ),
     (vtex.Shadow(), "shadow"),
     (vtex.Flatten(), "flatten"),
     (vtex.Simplify(1), "simplify 1"),

@@ -172,6 +172,9 @@ def test_files_that_cannot_be_read(quick, tmp_path, library):
     with pytest.raises(ValueError, match="cannot decode") as error:
         quick(tmp_path / "text.txt")
     told(error)
+    with pytest.raises(ValueError, match="a HEIC picture") as error:
+        quick(b"\0\0\0\x18ftypheic\0\0\0\0mif1heic\0\0\0\0meta")
+    told(error)
     for damaged in (b"", b"\x89PNG\r\n\x1a\n damaged", b"\x1f\x8b\x08\x00"):
         with pytest.raises(ValueError):
             quick(damaged)
@@ -223,7 +226,7 @@ def test_parameters_out_of_range(pixels, given, message):
         ({"size": 0}, ValueError, "size"),
         ({"size": (10, 0)}, ValueError, "size"),
         ({"size": (1, 2, 3)}, TypeError, "size"),
-        ({"size": "large"}, TypeError, "size"),
+        ({"size": "large"}, vtex.InputError, "size"),
         ({"size": 10.5}, TypeError, "size"),
         ({"size": True}, TypeError, "size"),
         ({"size": (60_000, 60_000)}, ValueError, "megapixels"),

@@ -21,7 +21,7 @@ use std::path::PathBuf;
 use vtex::Progress;
 use vtex::analyze::{AnalysisMemory, Exemplar, Limits, analyze_again, borders_join};
 use vtex::engine::{EngineChoice, EngineOptions, NetworkSource, choose};
-use vtex::import::{ImportParams, import};
+use vtex::import::{ImportParams, import, shows_lines};
 use vtex::library::{AnalyzeParams, Library, PictureKind};
 use vtex::output::file::{FileKind, Format};
 use vtex::scene::{Scene, splat};
@@ -170,12 +170,15 @@ pub(crate) fn library_of(
     let mut exemplar = Exemplar::from_bytes(&bytes, &analysis.input.name(), &Limits::default())?;
     exemplar.file = name.into_owned();
     drop(bytes);
-    let megapixels = f64::from(exemplar.image.width()) * f64::from(exemplar.image.height()) / 1e6;
-    let most = match analysis.parameters.max_pixels {
-        0 => megapixels,
-        most => f64::from(most) / 1e6,
+    if shows_lines(&exemplar.image) {
+        reporter.warn("the picture shows lines on paper: --kind curves reads it as a drawing of strokes");
+    }
+    let size = <[u32; 2]>::from(exemplar.image.dimensions());
+    let by = match analysis.parameters.max_pixels {
+        0 => 1.0,
+        most => libm::sqrt(f64::from(most) / (f64::from(size[0]) * f64::from(size[1]))).min(1.0),
     };
-    reporter.learn(megapixels, megapixels.min(most));
+    reporter.learn(size, size.map(|side| (f64::from(side) * by).max(1.0) as u32));
     if let Some(painted) = &analysis.layers.painted {
         exemplar.layers = Some(layer_maps::read(painted)?.layers()?);
     }

@@ -26,6 +26,7 @@ use toml::{Table, Value};
 use vtex::library::AnalyzeParams;
 use vtex::output::svg::SvgOptions;
 use vtex::scene::SynthParams;
+use vtex::synth::CanvasSize;
 
 /// Every parameter, resolved.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,10 +38,8 @@ pub(crate) struct Parameters {
     /// Whether the exemplar tiles; `analyze` holds the value for a photograph.
     pub(crate) wrap: Wrap,
     pub(crate) synth: SynthParams,
-    /// Whether the size of the canvas was given.
-    pub(crate) sized: bool,
-    /// The size in millimetres, if it was given with units.
-    pub(crate) millimetres: Option<[f64; 2]>,
+    /// The size of the canvas that is asked for.
+    pub(crate) size: CanvasSize,
     /// The name of the file with the weights of `synth`, if they are not given as numbers.
     pub(crate) weights: Option<Name>,
     pub(crate) svg: SvgParameters,
@@ -225,8 +224,7 @@ impl Default for Parameters {
             analyze: AnalyzeParams::default(),
             wrap: Wrap::default(),
             synth: SynthParams::default(),
-            sized: false,
-            millimetres: None,
+            size: CanvasSize::default(),
             weights: None,
             svg: SvgParameters {
                 precision: SvgOptions::PRECISION.default(),
@@ -260,10 +258,8 @@ impl Parameters {
             }
         }
         parameters.merge(values).map_err(Failure::usage)?;
-        if let Some(millimetres) = parameters.millimetres {
-            let size = Size::physical(millimetres, parameters.render.dpi);
-            (parameters.synth.width, parameters.synth.height) = (size.width, size.height);
-        }
+        // Libraries, on which the size may depend, are read later.
+        parameters.size.set(&mut parameters.synth, &[], parameters.render.dpi.0);
         parameters.analyze.validate()?;
         parameters.synth.validate()?;
         Ok(parameters)
@@ -281,10 +277,7 @@ impl Parameters {
         self.analyze.wrap = self.wrap.choice() == Some(true);
         self.analyze = merged(&self.analyze, analyze)?;
         let mut synth = of("synth");
-        take(&mut synth, "size", str::parse, |Size { width, height, millimetres }| {
-            (self.synth.width, self.synth.height, self.sized) = (width, height, true);
-            self.millimetres = millimetres;
-        })?;
+        take(&mut synth, "size", str::parse, |Size(size)| self.size = size)?;
         take(&mut synth, "tile", str::parse, |Axes(tile)| self.synth.tile = tile)?;
         take(&mut synth, "weights", str::parse, |v| match v {
             WeightsFrom::Numbers(n) => (self.synth.weights, self.weights) = (n.into(), None),
@@ -318,9 +311,7 @@ impl Parameters {
             }
             "synth" => {
                 let mut t = table(Table::try_from(&SynthParams { seed: 0, ..self.synth.clone() }));
-                let (width, height) = (self.synth.width, self.synth.height);
-                let size = Size { width, height, millimetres: self.millimetres };
-                t.insert("size".into(), Value::try_from(size).expect("text"));
+                t.insert("size".into(), Value::try_from(Size(self.size)).expect("text"));
                 let weights = match self.weights.clone() {
                     Some(name) => WeightsFrom::Name(name),
                     None => WeightsFrom::Numbers(FiveWeights::from(self.synth.weights.clone())),
@@ -440,7 +431,6 @@ mod tests {
             for (key, help) in keys(section) {
                 let Some(value) = values.get(&key) else { continue };
                 let shown = match value {
-                    Value::String(s) if s == "1000x1000" => "1000".into(),
                     Value::String(s) => s.clone(),
                     Value::Float(f) => f.to_string(),
                     Value::Array(a) if a.is_empty() => "none".into(),
@@ -473,9 +463,7 @@ mod tests {
             let again =
                 Parameters::resolve(&[ConfigLayer::read(&path).unwrap()], &CommandLineValues::default())
                     .unwrap();
-            // A size in a configuration counts as given.
-            assert!(again.sized);
-            assert_eq!(Parameters { sized: p.sized, ..again.clone() }, p);
+            assert_eq!(again, p);
             assert_eq!(again.dump(), p.dump());
         }
     }

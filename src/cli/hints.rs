@@ -21,6 +21,10 @@ pub(crate) fn of_library(library: &Library) -> Option<&'static str> {
     }
 }
 
+/// A hint for a texture that has no elements.
+pub(crate) const NO_ELEMENTS: &str = "leave out --method, so that vtex chooses one that fits, or give --method period \
+    to repeat a drawing; a photograph or a drawing with whole elements can be placed by any";
+
 /// Whether a path is a pattern that a shell should have replaced.
 fn is_pattern(path: &Path) -> bool {
     path.to_string_lossy().contains(['*', '?'])
@@ -42,7 +46,9 @@ pub(crate) fn hint(error: &Error) -> Option<String> {
         }
         Error::Exists { .. } => "give another name with -o, or --force to replace it",
         Error::TooLarge { what: Large::Canvas, .. } => "ask for a smaller --size",
-        Error::Format { format: "vtex-library", .. } => "make a library with 'vtex analyze photo.jpg'",
+        Error::Format { format: "vtex-library", .. } => {
+            "make a library with 'vtex analyze photo.jpg' or 'vtex analyze drawing.svg'"
+        }
         Error::Format { format: "vtex-scene", .. } => {
             "make a scene with 'vtex synth photo.lib.json -o out.scene.json'"
         }
@@ -63,6 +69,9 @@ pub(crate) fn hint(error: &Error) -> Option<String> {
         Error::Edit { fault: EditFault::NoLayer { known, .. }, .. } => {
             return Some(format!("--layer takes {}", known.join(", ")));
         }
+        Error::Edit { fault: EditFault::NoCategory { known, .. }, .. } => {
+            return Some(format!("the categories are {}", known.join(", ")));
+        }
         Error::Undrawable { .. } => {
             return error.hint().map(|advice| advice + "; --lenient leaves it out");
         }
@@ -75,6 +84,9 @@ pub(crate) fn hint(error: &Error) -> Option<String> {
         }
         Error::Periods { .. } => "give a larger --size, or --lattice off, which fits any",
         Error::Sizes { .. } => "make both with the same --size, or stretch one with 'vtex warp --stretch'",
+        Error::Parameter { name: "method", value, .. } if value.starts_with("auto") => {
+            "name another --method, such as --method descriptor, or leave out what it does not follow"
+        }
         Error::Parameter { name: "method", .. } => "leave out --method, or what this one does not follow",
         Error::Parameter { name: "region", .. } => "draw a larger shape for --region",
         Error::Seams => "make the texture with --tile, for both axes",

@@ -119,7 +119,7 @@ impl InputKind {
     /// Recognises content, plain or gzip, by its first bytes.
     pub(crate) fn of(bytes: &[u8]) -> Self {
         let head = vtex::gzip::beginning(bytes, HEAD);
-        if image::guess_format(&head).is_ok() {
+        if vtex::raster::is_picture(&head) {
             return Self::Image;
         }
         let text = String::from_utf8_lossy(&head);
@@ -154,6 +154,9 @@ impl InputKind {
         let failure = Failure::failed(format!("'{}' {found}, not {}", input.name(), names.join(", not ")));
         Err(match kind {
             Self::Library => failure.hint("make a texture of it with 'vtex synth'"),
+            Self::Image | Self::Svg if wanted.contains(&Self::Library) => {
+                failure.hint("make a library of it with 'vtex analyze' first")
+            }
             Self::Scene | Self::Svg => failure.hint("draw it with 'vtex render'"),
             Self::Image => failure.hint("make a library of it with 'vtex analyze' first"),
             Self::Unknown if bytes.is_empty() => failure.hint("is the file complete?"),

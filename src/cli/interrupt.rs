@@ -22,6 +22,7 @@ const PATIENCE: Duration = Duration::from_millis(800);
 
 /// Starts to watch for Ctrl-C and signals to end.
 pub(crate) fn watch() {
+    outlive_large_files();
     // Without a handler the signal ends the program as usual, so an error is ignored.
     let _ = ctrlc::set_handler(|| {
         if ASKED.swap(true, Ordering::SeqCst) || WAITING.load(Ordering::SeqCst) {
@@ -41,6 +42,19 @@ pub(crate) fn watch() {
         }
     });
 }
+
+/// Lets a file beyond the system's limit (`ulimit -f`) fail with an error: the signal would end the program, and
+/// leave unfinished files behind.
+#[cfg(unix)]
+fn outlive_large_files() {
+    use std::sync::Arc;
+    let unread = Arc::new(AtomicBool::new(false));
+    // Without a handler the signal ends the program as usual, so an error is ignored.
+    let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, unread);
+}
+
+#[cfg(not(unix))]
+fn outlive_large_files() {}
 
 /// Ends the program and removes unfinished files.
 fn end() {

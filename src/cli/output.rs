@@ -5,7 +5,7 @@ use super::input::was_read;
 use super::interrupt;
 use super::options::render::{BackgroundChoice, RenderParameters};
 use super::options::svg::SvgParameters;
-use super::values::Bytes;
+use super::values::{Bytes, Resolution};
 use serde::Serialize;
 use serde_json::Value;
 use std::borrow::Cow;
@@ -22,8 +22,8 @@ use vtex::output::file::{FileKind, Format, gzip, remove_abandoned, write_file};
 use vtex::output::reduce::{self, GivenUp};
 use vtex::output::seal::Sealed;
 use vtex::output::{pdf, png, svg};
-use vtex::scene::Scene;
-use vtex::{Error, Result};
+use vtex::scene::{Length, Scene, page_at};
+use vtex::{Error, Progress, Result};
 
 /// A file, standard output or memory.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -37,13 +37,18 @@ pub(crate) enum Destination {
     Memory(Buffer),
 }
 
-/// Bytes in memory, which all copies share.
+/// Bytes in memory, which all copies share, and the caller who waits for them.
 #[cfg(feature = "studio")]
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Buffer(std::sync::Arc<Mutex<Vec<u8>>>);
+pub(crate) struct Buffer(std::sync::Arc<Mutex<Vec<u8>>>, vtex_studio::Caller);
 
 #[cfg(feature = "studio")]
 impl Buffer {
+    /// An empty one, to which nothing more is written once the caller has left.
+    pub(crate) fn of(caller: &vtex_studio::Caller) -> Self {
+        Self(std::sync::Arc::default(), caller.clone())
+    }
+
     /// The bytes, of which none are left.
     pub(crate) fn take(&self) -> Vec<u8> {
         std::mem::take(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
@@ -89,23 +94,42 @@ impl DrawingOptions<'_> {
     /// # Errors
     /// Those of [`png::render`].
     pub(crate) fn picture(&self, scene: &Scene) -> Result<Pixmap> {
-        png::render(&self.scene(scene), self.render.scale)
+        self.picture_with(scene, &())
     }
 
-    /// The scene with the background of the options.
+    /// A picture of a scene, which can be stopped.
+    ///
+    /// # Errors
+    /// Those of [`png::render_page`].
+    pub(crate) fn picture_with(&self, scene: &Scene, progress: &dyn Progress) -> Result<Pixmap> {
+        png::render_page(&self.scene(scene), self.render.scale, progress)
+    }
+
+    /// The page of a scene, or that at the resolution of the options.
+    pub(crate) fn page(&self, scene: &Scene) -> Option<[Length; 2]> {
+        match self.render.dpi {
+            Resolution(None) => scene.page,
+            Resolution(Some(dpi)) => page_at([scene.width, scene.height], dpi),
+        }
+    }
+
+    /// The scene with the background and the page of the options.
     fn scene<'s>(&self, scene: &'s Scene) -> Cow<'s, Scene> {
-        let Some(background) = self.render.background else { return Cow::Borrowed(scene) };
-        Cow::Owned(scene.clone().with_background(match background {
+        let page = self.page(scene);
+        let scene = match page == scene.page {
+            true => Cow::Borrowed(scene),
+            false => Cow::Owned(Scene { page, ..scene.clone() }),
+        };
+        let Some(background) = self.render.background else { return scene };
+        Cow::Owned(scene.into_owned().with_background(match background {
             BackgroundChoice::Colour(colour) => Some(colour),
             BackgroundChoice::None => None,
         }))
     }
 
-    /// Size of a scene that is written in a format, in pixels: of its picture, or of its canvas where that
-    /// has no resolution.
+    /// Size of a scene that is written in a format, in pixels, as [`Scene::picture_size`].
     pub(crate) fn size_of(&self, scene: &Scene, format: Format) -> [u32; 2] {
-        let scale = if format == Format::Png { self.render.scale } else { 1.0 };
-        [scene.width, scene.height].map(|side| (f64::from(side) * scale).round().max(1.0) as u32)
+        scene.picture_size(if format == Format::Png { self.render.scale } else { 1.0 })
     }
 }
 
@@ -189,9 +213,11 @@ impl Destination {
             #[cfg(feature = "studio")]
             Self::Memory(buffer) => {
                 let fail = |e| Error::write(self.path(), e);
-                let mut out = Sealed::new(StoppableByteCounter::new(Vec::new()));
+                let bytes = StoppedByCaller { out: Vec::new(), caller: &buffer.1 };
+                let mut out = Sealed::new(StoppableByteCounter::new(bytes));
                 let value = content(&mut out).map_err(fail)?;
-                let StoppableByteCounter { out, count } = out.finish().map_err(fail)?;
+                let StoppableByteCounter { out: StoppedByCaller { out, .. }, count } =
+                    out.finish().map_err(fail)?;
                 *buffer.0.lock().unwrap_or_else(PoisonError::into_inner) = out;
                 Ok((value, count))
             }
@@ -312,24 +338,22 @@ impl Target {
     /// # Errors
     /// As [`Destination::write`], and those of the writers and of [`reduce::to_fit`].
     pub(crate) fn write_scene(&self, scene: &Scene, drawing: DrawingOptions<'_>) -> Result<WrittenFile> {
-        let DrawingOptions { svg, recipe, render } = drawing;
-        let dpi = render.dpi;
+        let DrawingOptions { svg, recipe, .. } = drawing;
         let scene = &*drawing.scene(scene);
         Ok(match self.kind.format {
             Format::Svg => {
                 return self.write_within(scene, svg, |s, o, out| {
-                    svg::write_at(s, o, recipe, dpi, out).map(|summary| summary.warnings)
+                    svg::write_with_recipe(s, o, recipe, out).map(|summary| summary.warnings)
                 });
             }
             Format::Scene | Format::Library => self.write_bytes(&scene.to_json())?,
             Format::Pdf => {
-                return self
-                    .write_within(scene, svg, |s, _, out| pdf::write_at(s, dpi, out).map(|_| Vec::new()));
+                return self.write_within(scene, svg, |s, _, out| pdf::write(s, out).map(|_| Vec::new()));
             }
             Format::Png => {
                 let picture = drawing.picture(scene)?;
                 let seed = scene.parameters.as_ref().map(|p| p.seed);
-                WrittenFile::of(self.place.write(|out| png::encode(&picture, seed, out))?.1)
+                WrittenFile::of(self.place.write(|out| png::encode(&picture, seed, scene.page, out))?.1)
             }
         })
     }
@@ -456,6 +480,27 @@ pub(crate) fn say(text: &str) {
 /// As [`say`], for text that may hold colours; foreign parts of it must be escaped.
 pub(crate) fn say_styled(text: &str) {
     let _ = writeln!(anstream::stderr().lock(), "{}", styled(text));
+}
+
+/// Bytes that nobody waits for once their caller has left.
+#[cfg(feature = "studio")]
+struct StoppedByCaller<'a> {
+    out: Vec<u8>,
+    caller: &'a vtex_studio::Caller,
+}
+
+#[cfg(feature = "studio")]
+impl Write for StoppedByCaller<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if self.caller.has_left() {
+            return Err(Error::Interrupted.into());
+        }
+        self.out.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
 }
 
 /// Counts bytes, and stops when the user asks to.

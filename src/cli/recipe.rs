@@ -201,6 +201,7 @@ pub(crate) fn metadata(bytes: &[u8]) -> Option<Value> {
 mod tests {
     use super::*;
     use crate::cli::config::CommandLineValues;
+    use vtex::synth::CanvasSize;
 
     #[test]
     fn what_is_written_down_is_read_back() {
@@ -209,7 +210,7 @@ mod tests {
         let mut parameters = Parameters::resolve(None, &CommandLineValues::default()).unwrap();
         parameters.seed = "18446744073709551615".parse().ok();
         parameters.analyze.detail_scale = 12.5;
-        (parameters.synth.width, parameters.sized) = (70, true);
+        (parameters.size, parameters.synth.width) = (CanvasSize::Pixels([70, 1000]), 70);
         parameters.svg.precision = 3;
         let parts = [RecipeFile::of("photo", Path::new("a<b>&c.png"), b"x")];
         let recipe = write(&parameters, SegmenterName::Texton, &parts, None);

@@ -23,6 +23,8 @@ const HEAD: u64 = 1 << 20;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct TextureOrigin {
     pub(crate) seed: u64,
+    /// Width and height of its canvas, in pixels, if they are known.
+    pub(crate) size: Option<[u32; 2]>,
     /// SHA-256 of its exemplars; `None` if they are not known.
     pub(crate) exemplars: Option<Vec<String>>,
 }
@@ -31,6 +33,8 @@ pub(crate) struct TextureOrigin {
 struct Loss<'a> {
     path: &'a Path,
     seed: u64,
+    /// Its size, if the new picture has another.
+    size: Option<[u32; 2]>,
     /// Names of its exemplars, if it states them.
     names: Vec<String>,
 }
@@ -65,7 +69,11 @@ pub(crate) fn ask(
     let texture = format!("'{path}' holds another texture{of}, with the seed {}", first.seed);
     let asks = !common.quiet && !common.json && io::stdin().is_terminal() && io::stderr().is_terminal();
     if !asks {
-        return Ok(Some(format!("'{path}' held another texture{of}: --seed {} makes it again", first.seed)));
+        let size = first.size.map_or(String::new(), |[w, h]| format!(" --size {w}x{h}"));
+        return Ok(Some(format!(
+            "'{path}' held another texture{of}: --seed {}{size}, with its other options, makes it again",
+            first.seed
+        )));
     }
     let more = match lost.len() - 1 {
         0 => String::new(),
@@ -94,7 +102,8 @@ fn loss<'a>(target: &'a Target, origin: &TextureOrigin) -> Option<Loss<'a>> {
         Format::Png => of_png(path),
         Format::Pdf | Format::Scene | Format::Library => None,
     }?;
-    old.differs(origin).then(|| Loss { path, seed: old.seed, names })
+    let size = old.size.filter(|size| origin.size != Some(*size));
+    old.differs(origin).then(|| Loss { path, seed: old.seed, size, names })
 }
 
 /// The first bytes of a file; `None` for anything else, because opening a pipe has effects at its other end.
@@ -110,7 +119,12 @@ fn of_svg(path: &Path) -> Option<Found> {
     let found = metadata(&head(path)?)?;
     let libraries = found["libraries"].as_array()?;
     let each = |key: &str| libraries.iter().map(|l| Some(l[key].as_str()?.to_owned())).collect::<Option<_>>();
-    Some((TextureOrigin { seed: found["seed"].as_u64()?, exemplars: each("sha256") }, each("exemplar")?))
+    let side = |key: &str| u32::try_from(found[key].as_u64()?).ok();
+    let size = side("width").zip(side("height")).map(<[u32; 2]>::from);
+    Some((
+        TextureOrigin { seed: found["seed"].as_u64()?, size, exemplars: each("sha256") },
+        each("exemplar")?,
+    ))
 }
 
 /// The seed of a PNG, which names no exemplars.
@@ -121,7 +135,7 @@ fn of_png(path: &Path) -> Option<Found> {
     let length = u32::from_be_bytes(bytes.get(at.checked_sub(4)?..at)?.try_into().ok()?);
     let text = bytes.get(at + BEGINNING.len()..at.checked_add(4)?.checked_add(length as usize)?)?;
     let seed = std::str::from_utf8(text).ok()?.parse().ok()?;
-    Some((TextureOrigin { seed, exemplars: None }, Vec::new()))
+    Some((TextureOrigin { seed, size: None, exemplars: None }, Vec::new()))
 }
 
 #[cfg(test)]
@@ -136,12 +150,13 @@ mod tests {
             std::fs::write(&path, bytes).unwrap();
             read(&path)
         };
-        let svg = br#"<svg><metadata>{"seed":18446744073709551615,"libraries":[{"exemplar":"a.jpg","sha256":"x"}]}</metadata>"#;
-        let origin = TextureOrigin { seed: u64::MAX, exemplars: Some(vec!["x".into()]) };
+        let svg = br#"<svg><metadata>{"seed":18446744073709551615,"width":30,"height":20,"libraries":[{"exemplar":"a.jpg","sha256":"x"}]}</metadata>"#;
+        let origin =
+            TextureOrigin { seed: u64::MAX, size: Some([30, 20]), exemplars: Some(vec!["x".into()]) };
         assert_eq!(of(svg, of_svg), Some((origin.clone(), vec!["a.jpg".into()])));
         assert_eq!(of(b"<svg/>", of_svg), None);
         let png = of(b"\x89PNG\0\0\0\x07tEXtSeed\x0077crc", of_png);
-        assert_eq!(png, Some((TextureOrigin { seed: 77, exemplars: None }, Vec::new())));
+        assert_eq!(png, Some((TextureOrigin { seed: 77, size: None, exemplars: None }, Vec::new())));
         for damaged in [&b"\xff\xff\xff\xfftEXtSeed\x0077crc"[..], b"tEXtSeed\0", b"\0\0\0\0tEXtSeed\x007"] {
             assert_eq!(of(damaged, of_png), None);
         }

@@ -11,7 +11,7 @@ use vtex::Progress;
 use vtex::library::{Lattice, Library, SourceKind};
 use vtex::output::reduce::GivenUp;
 use vtex::raster::colour::Colour;
-use vtex::scene::{Method, Role, Scene};
+use vtex::scene::{Length, LengthUnit, Method, Role, Scene};
 use vtex::statistics::{Overlap, Repetition};
 use vtex::synth::{CategoryReport, ClusterReport, CurveReport, Structure, SynthReport, layer_map};
 
@@ -39,6 +39,9 @@ pub(crate) struct Summary {
     pub(crate) seed: Option<u64>,
     /// Size of the picture, in pixels.
     pub(crate) size: [u32; 2],
+    /// Width and height of the page, if it is not that of the picture in pixels of CSS.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) page: Option<[Length; 2]>,
     /// The photograph that was reduced before it was analysed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) reduced: Option<PhotographReduction>,
@@ -110,6 +113,7 @@ impl Summary {
             given_up: written.given_up,
             seed: None,
             size: [0; 2],
+            page: None,
             reduced: None,
             counts: None,
             coverage: None,
@@ -223,8 +227,7 @@ impl MotifCount {
     /// Counts in a line, as in "12 motifs of 3 elements"; `None` for no motifs.
     pub(crate) fn in_words(counts: &[Self]) -> Option<String> {
         let each = |&Self { elements, motifs }: &Self| {
-            let many = if motifs == 1 { "" } else { "s" };
-            format!("{motifs} motif{many} of {elements} elements")
+            format!("{} of {}", counted(motifs, "motif", "motifs"), counted(elements, "element", "elements"))
         };
         let each: Vec<String> = counts.iter().map(each).collect();
         (!each.is_empty()).then(|| each.join(", "))
@@ -234,7 +237,7 @@ impl MotifCount {
 /// Share of the area that primaries cover, 0 to 1.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(crate) struct Coverage {
-    /// In the exemplar.
+    /// In the exemplar, or what a shape to fill and maps leave of it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) wanted: Option<f64>,
     /// In the result.
@@ -246,14 +249,51 @@ pub(crate) struct Coverage {
     /// The kind of exemplar, for messages.
     #[serde(skip)]
     pub(crate) exemplar: &'static str,
+    /// Share in the exemplar itself, for messages. A shape to fill or a map lets a canvas want another.
+    #[serde(skip)]
+    pub(crate) own: Option<f64>,
 }
+
+impl Coverage {
+    /// The shares in words; `None` if none is known.
+    fn in_words(&self) -> Option<String> {
+        let (wanted, got) = match (self.wanted, self.got) {
+            (Some(wanted), Some(got)) => (wanted, got),
+            (Some(share), None) | (None, Some(share)) => {
+                return Some(format!("elements cover {}", percent(share)));
+            }
+            (None, None) => return None,
+        };
+        let (got, wanted, exemplar) = (percent(got), percent(wanted), self.exemplar);
+        Some(match self.own.map(percent).filter(|own| *own != wanted) {
+            Some(own) => {
+                format!("elements cover {got} of the canvas ({wanted} wanted there, {own} in the {exemplar})")
+            }
+            None => format!("elements cover {got} ({wanted} in the {exemplar})"),
+        })
+    }
+}
+
+/// A share, 0 to 1, in whole per cent.
+pub(crate) fn percent(share: f64) -> String {
+    // Of a share a little below 0 the sign would stay.
+    format!("{:.0} %", (100.0 * share).round() + 0.0)
+}
+
+/// A number of things, with the word for one of them or for several.
+pub(crate) fn counted(count: usize, one: &str, several: &str) -> String {
+    format!("{count} {}", if count == 1 { one } else { several })
+}
+
+/// The exemplars of several libraries, for messages.
+pub(crate) const SEVERAL: &str = "exemplars";
 
 /// The kind of the exemplars of libraries, for messages.
 pub(crate) fn exemplar_of(libraries: &[Library]) -> &'static str {
     match libraries {
         [library] if library.source.kind == SourceKind::Drawing => "drawing",
         [_] => "photograph",
-        _ => "exemplar",
+        _ => SEVERAL,
     }
 }
 
@@ -306,13 +346,9 @@ impl LayersReport {
     fn in_words(&self) -> Option<String> {
         let each = self.names.iter().zip(&self.got).enumerate().map(|(k, (name, share))| {
             let coverage = self.coverage.get(k).map_or(String::new(), |[wanted, got]| {
-                format!(
-                    " (elements cover {:.0} % of it, {:.0} % in the photograph)",
-                    100.0 * got,
-                    100.0 * wanted
-                )
+                format!(" (elements cover {} of it, {} in the photograph)", percent(*got), percent(*wanted))
             });
-            format!("{name} {:.0} %{coverage}", 100.0 * share)
+            format!("{name} {}{coverage}", percent(*share))
         });
         let each: Vec<String> = each.collect();
         (each.len() > 1).then(|| format!("layers from bottom to top: {}", each.join(", ")))
@@ -355,23 +391,20 @@ impl Summary {
             return Ok(());
         }
         let mut line = format!("{}: {} x {} px", self.output, self.size[0], self.size[1]);
+        if let Some([width, height]) = self.page.filter(|page| page[0].unit() != LengthUnit::Pixel) {
+            line.push_str(&format!(" on a page of {width} x {height}"));
+        }
         if let Some(c) = self.counts {
             let small = match c.secondaries {
                 0 => String::new(),
-                n => format!(" and {n} small ones"),
+                n => format!(" and {}", counted(n, "small one", "small ones")),
             };
-            line.push_str(&format!(", {} elements in {} categories{small}", c.primaries, c.categories));
+            let elements = counted(c.primaries, "element", "elements");
+            let categories = counted(c.categories, "category", "categories");
+            line.push_str(&format!(", {elements} in {categories}{small}"));
         }
-        match self.coverage.as_ref().map(|c| (c.wanted, c.got)) {
-            Some((Some(wanted), Some(got))) => {
-                let [got, wanted] = [got, wanted].map(|share| 100.0 * share);
-                let of = self.coverage.as_ref().map_or("exemplar", |c| c.exemplar);
-                line.push_str(&format!(", elements cover {got:.0} % ({wanted:.0} % in the {of})"));
-            }
-            Some((Some(share), None) | (None, Some(share))) => {
-                line.push_str(&format!(", elements cover {:.0} %", 100.0 * share));
-            }
-            _ => {}
+        if let Some(coverage) = self.coverage.as_ref().and_then(Coverage::in_words) {
+            line.push_str(&format!(", {coverage}"));
         }
         if let Some(pattern) = &self.pattern {
             line.push_str(&format!(", pattern in {pattern}"));
@@ -414,15 +447,15 @@ impl Summary {
     fn print_details(&self) {
         if let Some(c) = &self.counts {
             let cut = c.clipped.map_or(String::new(), |n| {
-                format!(", {n} of {} elements are cut by the border", c.primaries)
+                format!(", the border cuts {n} of {}", counted(c.primaries, "element", "elements"))
             });
-            say(&format!("  {} details on elements, {} background colours{cut}", c.details, c.background));
+            let details = counted(c.details, "detail", "details");
+            let background = counted(c.background, "background colour", "background colours");
+            say(&format!("  {details} on elements, {background}{cut}"));
         }
         if let Some(why) = self.layers.as_ref().and_then(|layers| layers.why.as_ref()) {
-            let count = match self.layers.as_ref().map_or(0, |layers| layers.names.len()) {
-                1 => "1 layer".into(),
-                n => format!("{n} layers"),
-            };
+            let count = self.layers.as_ref().map_or(0, |layers| layers.names.len());
+            let count = counted(count, "layer", "layers");
             say(&format!("  {count}: {why}"));
         }
         if let Some(lattice) = &self.lattice {
@@ -444,7 +477,7 @@ impl Summary {
             say(&format!("  elements were {how}"));
         }
         if let Some(share) = self.period {
-            say(&format!("  {:.0} % of the places repeat the drawing", 100.0 * share));
+            say(&format!("  {} of the places repeat the drawing", percent(share)));
         }
         if let Some(clusters) = &self.clusters {
             say(&format!("  {}", optimised(clusters)));
@@ -494,14 +527,28 @@ fn run_on(curves: &CurveReport) -> String {
 
 /// The reductions of a file, in a line.
 fn reductions(given_up: &GivenUp) -> String {
-    let GivenUp { decimals, tolerance, details, elements } = *given_up;
-    let digits = if decimals == 1 { "1 decimal".into() } else { format!("{decimals} decimals") };
+    let GivenUp { decimals, names, tolerance, details, elements, primaries, background, colours } = *given_up;
+    let digits = counted(decimals.into(), "decimal", "decimals");
     let mut line = format!("numbers have {digits}");
+    if names {
+        line.push_str(", elements have no names in editors");
+    }
     if tolerance > 0.0 {
         line.push_str(&format!(", outlines lie within {tolerance} px"));
     }
     if details + elements > 0 {
-        line.push_str(&format!(", {details} details and {elements} small elements are left out"));
+        let details = counted(details, "detail", "details");
+        let elements = counted(elements, "small element", "small elements");
+        line.push_str(&format!(", {details} and {elements} are left out"));
+    }
+    if primaries > 0 {
+        line.push_str(&format!(", so are {primaries} large elements"));
+    }
+    if background > 1.0 {
+        line.push_str(&format!(", the background is {background} times coarser"));
+    }
+    if colours > 0.0 {
+        line.push_str(", colours are rounded and gradients flat");
     }
     line
 }
@@ -535,10 +582,9 @@ pub(crate) fn lattice_measures(lattice: &Lattice) -> String {
 /// Counts of a field of correspondences, in a line.
 fn structure_text(s: &Structure) -> String {
     format!(
-        "{} elements came whole, in {} patches; {} were replaced by others like them, {} joined of parts \
-         ({:.1} % of the canvas)",
-        s.whole,
-        s.islands,
+        "{} came whole, in {}; {} replaced by others like them, {} joined of parts ({:.1} % of the canvas)",
+        counted(s.whole, "element", "elements"),
+        counted(s.islands, "patch", "patches"),
         s.like,
         s.fused,
         100.0 * s.fused_share
@@ -616,6 +662,25 @@ mod tests {
     fn bytes_are_readable() {
         let shown = [0, 999, 1_000, 2_345_678, 7_000_000_000].map(bytes);
         assert_eq!(shown, ["0 B", "999 B", "1.0 kB", "2.3 MB", "7.00 GB"]);
+    }
+
+    #[test]
+    fn counts_and_shares_read_well() {
+        assert_eq!([0.0, -0.0, -0.001, 0.184, 1.0].map(percent), ["0 %", "0 %", "0 %", "18 %", "100 %"]);
+        assert_eq!(counted(1, "category", "categories"), "1 category");
+        assert_eq!([0, 2].map(|n| counted(n, "patch", "patches")), ["0 patches", "2 patches"]);
+        let coverage = |own| Coverage {
+            wanted: Some(0.21),
+            got: Some(0.18),
+            categories: Vec::new(),
+            exemplar: "photograph",
+            own,
+        };
+        assert_eq!(coverage(Some(0.211)).in_words().unwrap(), "elements cover 18 % (21 % in the photograph)");
+        assert_eq!(
+            coverage(Some(0.76)).in_words().unwrap(),
+            "elements cover 18 % of the canvas (21 % wanted there, 76 % in the photograph)"
+        );
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use super::common::Common;
 use super::config::Parameters;
 use super::failure::Failure;
+use super::hints::NO_ELEMENTS;
 use super::options::context::ContextFiles;
 use super::options::control::Steering;
 use super::options::files::ForceArgs;
@@ -15,20 +16,22 @@ use super::progress::Reporter;
 use super::recipe::of_variant;
 use super::replacing::{self, TextureOrigin};
 use super::summary::{
-    Coverage, ElementCounts, LayersReport, MotifCount, PhotographReduction, Summary, exemplar_of, few_whole,
+    Coverage, ElementCounts, LayersReport, MotifCount, PhotographReduction, SEVERAL, Summary, bytes,
+    exemplar_of, few_whole,
 };
+use super::values::Resolution;
 use serde_json::Value;
 use vtex::Progress;
 use vtex::library::Library;
 use vtex::output::file::Format;
 use vtex::scene::{Scene, SynthParams, splat};
-use vtex::synth::{Controls, SynthReport, default_size, synthesize_with};
+use vtex::synth::{CanvasSize, Controls, Cost, SynthReport, synthesize_with};
 
 /// How a texture is made and written.
 pub(crate) struct Synthesis {
     pub(crate) parameters: SynthParams,
-    /// Whether the size of the canvas was given.
-    pub(crate) sized: bool,
+    /// The size of the canvas that is asked for, and its pixels to the inch.
+    pub(crate) asked: (CanvasSize, Resolution),
     pub(crate) steering: Steering,
     /// The drawing that stays, and the region beside it.
     pub(crate) context: Option<ContextFiles>,
@@ -49,10 +52,8 @@ impl Synthesis {
         (pattern_args, variants): (PatternArgs, VariantsArgs),
         force: &ForceArgs,
     ) -> Result<Self, Failure> {
-        let Parameters { synth, sized, svg, render, .. } = parameters;
+        let Parameters { synth, size, svg, render, .. } = parameters;
         let pattern = pattern(pattern_args, force, &targets)?;
-        // Controls are fitted to the canvas, so its size counts as given.
-        let sized = sized || steering.files().next().is_some();
         if pattern.is_some() && !synth.tile.both() {
             let message = "--pattern needs a texture that repeats along both axes";
             return Err(Failure::usage(message).hint("give --tile, for both axes"));
@@ -60,11 +61,12 @@ impl Synthesis {
         let variants = variants.count(&targets)?;
         Ok(Self {
             parameters: synth,
-            sized,
+            asked: (size, render.dpi),
             steering,
             context: None,
             svg,
-            render,
+            // The scene has the page.
+            render: RenderParameters { dpi: Resolution::default(), ..render },
             targets,
             pattern,
             variants,
@@ -73,10 +75,17 @@ impl Synthesis {
 
     /// Takes the page of a drawing as the canvas, unless a size was given.
     pub(crate) fn on_page(&mut self, page: [u32; 2]) {
-        if !self.sized {
-            [self.parameters.width, self.parameters.height] = page;
-            self.sized = true;
+        if self.asked.0 == CanvasSize::Auto {
+            self.asked.0 = CanvasSize::Pixels(page);
         }
+    }
+
+    /// The parameters with the canvas asked for, or with that which suits the libraries.
+    pub(crate) fn canvas(&self, libraries: &[Library]) -> SynthParams {
+        let (size, Resolution(dpi)) = self.asked;
+        let mut parameters = self.parameters.clone();
+        size.set(&mut parameters, libraries, dpi);
+        parameters
     }
 
     /// Megapixels of the canvas.
@@ -110,7 +119,11 @@ impl Synthesis {
         let made: Vec<(Targets, TextureOrigin)> = (0..self.variants)
             .map(|variant| {
                 let (seed, targets, _) = self.variant(variant);
-                (targets, TextureOrigin { seed, exemplars: exemplars.map(<[String]>::to_vec) })
+                let size = match self.asked.0 {
+                    CanvasSize::Pixels(size) => Some(size),
+                    _ => None,
+                };
+                (targets, TextureOrigin { seed, size, exemplars: exemplars.map(<[String]>::to_vec) })
             })
             .collect();
         replacing::ask(common, reporter, &made)
@@ -136,15 +149,6 @@ pub(crate) struct Sources<'a> {
     pub(crate) recipe: Option<&'a Value>,
 }
 
-/// The parameters with the canvas that suits the libraries, unless a size was given.
-pub(crate) fn canvas(parameters: &SynthParams, sized: bool, libraries: &[Library]) -> SynthParams {
-    let mut parameters = parameters.clone();
-    if !sized {
-        [parameters.width, parameters.height] = default_size(libraries);
-    }
-    parameters
-}
-
 /// Makes and writes a texture, and prints its summary; also the second half of `texture`.
 pub(crate) fn finish(
     common: &Common,
@@ -154,8 +158,8 @@ pub(crate) fn finish(
     synthesis: &Synthesis,
 ) -> anyhow::Result<()> {
     let Sources { command, inputs, libraries, recipe } = sources;
-    let Synthesis { parameters, svg, render, targets, sized, .. } = synthesis;
-    let parameters = &canvas(parameters, *sized, libraries);
+    let Synthesis { svg, render, targets, .. } = synthesis;
+    let parameters = &synthesis.canvas(libraries);
     if let Some(warning) = render.warning(targets.has(Format::Png)) {
         reporter.warn(warning);
     }
@@ -165,10 +169,16 @@ pub(crate) fn finish(
         }
         say(&format!("{parameters:#?}"));
     }
+    let as_pdf = !targets.has(Format::Svg) && targets.has(Format::Pdf);
+    if let Some([warning, hint]) = heavy(parameters, libraries, as_pdf) {
+        reporter.warn(&warning);
+        reporter.hint(&hint);
+    }
     for variant in 0..synthesis.variants {
         let (seed, targets, pattern) = synthesis.variant(variant);
         let parameters = SynthParams { seed, ..parameters.clone() };
         let (scene, report) = synthesize_with(libraries, &parameters, controls, reporter)?;
+        hint_at_elements(reporter, libraries, &scene);
         let library = libraries.first();
         let recipe = recipe.map(|recipe| of_variant(recipe, variant));
         let drawing = DrawingOptions { svg: svg.fit(libraries), render: *render, recipe: recipe.as_ref() };
@@ -177,6 +187,46 @@ pub(crate) fn finish(
         result.write(common, reporter, drawing, &targets, pattern.as_ref())?;
     }
     Ok(())
+}
+
+/// What a texture costs that is much larger than usual, as an SVG or a PDF, and a size that costs less; `None` for
+/// another.
+pub(crate) fn heavy(parameters: &SynthParams, libraries: &[Library], as_pdf: bool) -> Option<[String; 2]> {
+    let usual = CanvasSize::usual_for(parameters, libraries);
+    let [cost, less] = [parameters, &usual].map(|parameters| Cost::of(libraries, parameters));
+    if !cost.is_heavy(&less) {
+        return None;
+    }
+    let words = |cost: &Cost| {
+        let file = match as_pdf {
+            false => format!("an SVG of {}", bytes(cost.svg_bytes as u64)),
+            true => format!("a PDF of {}", bytes(cost.pdf_bytes as u64)),
+        };
+        let time = match cost.seconds {
+            seconds if seconds < 120.0 => format!("{:.0} s", seconds.max(1.0)),
+            seconds => format!("{:.0} min", seconds / 60.0),
+        };
+        let shapes = match cost.shapes {
+            shapes if shapes < 1e6 => format!("{:.0} thousand shapes", (shapes / 1e3).max(1.0)),
+            shapes => format!("{:.1} million shapes", shapes / 1e6),
+        };
+        format!("about {shapes}, {file}, {time}")
+    };
+    let SynthParams { width, height, .. } = *parameters;
+    let warning = format!("a canvas of {width} x {height} px is large for this exemplar: {}", words(&cost));
+    let instead = match parameters.page {
+        Some([width, height]) => format!("--size {width}x{height} without --dpi"),
+        None => format!("--size {}x{}", usual.width, usual.height),
+    };
+    let hint = format!("{instead} has larger elements, which are vectors and stay sharp: {}", words(&less));
+    Some([warning, hint])
+}
+
+/// Prints a hint if a texture has no elements, of libraries that have some.
+fn hint_at_elements(reporter: &Reporter, libraries: &[Library], scene: &Scene) {
+    if scene.individuals().next().is_none() && libraries.iter().any(|library| !library.elements.is_empty()) {
+        reporter.hint(NO_ELEMENTS);
+    }
 }
 
 /// A finished texture, to be written.
@@ -209,10 +259,12 @@ impl FinishedTexture<'_> {
             pattern.write_pattern(&scene, drawing)?;
         }
         let layers = LayersReport::of_texture(&report);
+        let own = library.filter(|_| exemplar != SEVERAL).map(|library| library.coverage);
         let summary = Summary {
             pattern: pattern.map(|p| p.place.path().display().to_string()),
             seed: scene.parameters.as_ref().map(|p| p.seed),
             size: drawing.size_of(&scene, targets.first.kind.format),
+            page: drawing.page(&scene),
             reduced: library.filter(|_| command == "texture").and_then(PhotographReduction::of_library),
             counts: Some(ElementCounts::of_scene(&scene)),
             coverage: Some(Coverage {
@@ -220,6 +272,7 @@ impl FinishedTexture<'_> {
                 got: Some(report.coverage),
                 categories: report.categories,
                 exemplar,
+                own,
             }),
             layers,
             motifs: library.filter(|_| command == "texture").map_or(Vec::new(), MotifCount::of_library),

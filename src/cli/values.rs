@@ -9,72 +9,99 @@ use std::ffi::OsStr;
 use std::str::FromStr;
 use vtex::Parameter;
 use vtex::analyze::Exemplar;
-use vtex::output::CSS_DPI;
-use vtex::scene::{SynthParams, Tile, Weights};
+use vtex::output::DPI;
+use vtex::scene::{Length, LengthUnit, SynthParams, Tile, Weights};
+use vtex::synth::CanvasSize;
 use vtex::warp::Bend;
 use vtex_base::file_names::is_device;
 
-/// `1000` or `1000x600`, in pixels, or lengths such as `300mm` or `3m x 1m`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Size {
-    pub(crate) width: u32,
-    pub(crate) height: u32,
-    /// The lengths, if it was given in lengths; pixels are then those of CSS.
-    pub(crate) millimetres: Option<[f64; 2]>,
-}
-
-/// Units of length, in millimetres. Longer names first.
-const UNITS: [(&str, f64); 4] = [("mm", 1.0), ("cm", 10.0), ("in", 25.4), ("m", 1000.0)];
+/// The size of a canvas: `auto`, `1000` or `1000x600` in pixels, or lengths such as `300mm` or `3m x 1m`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Size(pub(crate) CanvasSize);
 
 impl Size {
-    /// Lengths in millimetres, at `dpi` pixels to the inch. Ranges are checked with the parameters.
-    pub(crate) fn physical(millimetres: [f64; 2], dpi: u32) -> Self {
-        let [width, height] = millimetres.map(|v| (v / 25.4 * f64::from(dpi)).round() as u32);
-        Self { width, height, millimetres: Some(millimetres) }
-    }
-
     /// The description of canvas sizes in the help.
     pub(crate) fn canvas(side: Parameter<u32>) -> String {
-        format!("{side}, at most 400 megapixels, default: {}", side.default())
+        format!("{side}, at most 400 megapixels")
     }
+
+    /// Width and height in pixels, lengths at 96 pixels to the inch; `None` for `auto`.
+    pub(crate) fn pixels(self) -> Option<[u32; 2]> {
+        match self.0 {
+            CanvasSize::Auto => None,
+            CanvasSize::Pixels(size) => Some(size),
+            CanvasSize::Page(page) => Some(page.map(|side| side.css_pixels().round() as u32)),
+        }
+    }
+}
+
+/// Two sides with an `x` between, which does not end the unit `px`.
+fn sides(text: &str) -> (&str, &str) {
+    let is_between =
+        |at: &usize| text[..*at].bytes().next_back().is_some_and(|b| !b.eq_ignore_ascii_case(&b'p'));
+    let between = text.match_indices(['x', 'X']).map(|(at, _)| at).find(is_between);
+    between.map_or((text, text), |at| (&text[..at], &text[at + 1..]))
 }
 
 impl FromStr for Size {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let expected = || {
-            let range = SynthParams::SIDE;
-            format!("expected 1000 or 1000x600, {range}, or lengths such as 300mm or 3mx1m")
-        };
-        let (width, height) = text.split_once(['x', 'X']).unwrap_or((text, text));
-        let length = |t: &str| {
-            let t = t.trim();
-            let (digits, unit) = UNITS.iter().find_map(|(name, unit)| Some((t.strip_suffix(name)?, unit)))?;
-            digits
-                .parse::<f64>()
-                .ok()
-                .map(|v| (v * unit * 1e3).round() / 1e3)
-                .filter(|v| (0.01..1e6).contains(v))
-        };
-        if let (Some(width), Some(height)) = (length(width), length(height)) {
-            return Ok(Self::physical([width, height], CSS_DPI));
+        if text == "auto" {
+            return Ok(Self(CanvasSize::Auto));
         }
-        let side = |t: &str| {
-            let t = t.strip_suffix("px").unwrap_or(t);
-            let digits = !t.is_empty() && t.bytes().all(|b| b.is_ascii_digit());
-            let value = digits.then(|| t.parse::<u32>().ok()).flatten();
-            value.filter(|v| SynthParams::SIDE.allows(*v)).ok_or_else(expected)
+        let (width, height) = sides(text);
+        let side = |text: &str| {
+            let text = text.strip_suffix("px").unwrap_or(text);
+            let is_number = !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit());
+            is_number.then(|| text.parse::<u32>().ok()).flatten().filter(|v| SynthParams::SIDE.allows(*v))
         };
-        Ok(Self { width: side(width)?, height: side(height)?, millimetres: None })
+        if let (Some(width), Some(height)) = (side(width), side(height)) {
+            return Ok(Self(CanvasSize::Pixels([width, height])));
+        }
+        let length = |text: &str| text.parse().ok().filter(|side: &Length| side.unit() != LengthUnit::Pixel);
+        match (length(width), length(height)) {
+            (Some(width), Some(height)) => Ok(Self(CanvasSize::Page([width, height]))),
+            _ => Err(format!(
+                "expected 1000 or 1000x600, {}, or lengths in mm, cm, m, in or pt, such as 300mm, 12in or 3mx1m",
+                SynthParams::SIDE
+            )),
+        }
     }
 }
 
 impl Serialize for Size {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match self.millimetres {
-            Some([width, height]) => serializer.collect_str(&format_args!("{width}mmx{height}mm")),
-            None => serializer.collect_str(&format_args!("{}x{}", self.width, self.height)),
+        match self.0 {
+            CanvasSize::Auto => serializer.serialize_str("auto"),
+            CanvasSize::Pixels([width, height]) => serializer.collect_str(&format_args!("{width}x{height}")),
+            CanvasSize::Page([width, height]) => serializer.collect_str(&format_args!("{width}x{height}")),
+        }
+    }
+}
+
+/// Pixels of the canvas to the inch: `auto` or a number.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Resolution(pub(crate) Option<u32>);
+
+impl FromStr for Resolution {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "auto" => Ok(Self(None)),
+            text => {
+                within(DPI)(text).map(|dpi| Self(Some(dpi))).map_err(|_| format!("expected auto, or {DPI}"))
+            }
+        }
+    }
+}
+
+impl Serialize for Resolution {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self.0 {
+            None => serializer.serialize_str("auto"),
+            Some(dpi) => serializer.serialize_u32(dpi),
         }
     }
 }
@@ -387,18 +414,45 @@ mod tests {
 
     #[test]
     fn sizes_are_one_or_two_sides() {
-        assert_eq!("1000".parse(), Ok(Size { width: 1000, height: 1000, millimetres: None }));
-        assert_eq!("1000x600".parse(), Ok(Size { width: 1000, height: 600, millimetres: None }));
+        let pixels = |width, height| Ok(Size(CanvasSize::Pixels([width, height])));
+        for (text, size) in [("1000", [1000, 1000]), ("1000x600", [1000, 600]), ("90px", [90, 90])] {
+            assert_eq!(text.parse(), pixels(size[0], size[1]), "{text}");
+        }
+        assert_eq!("9pxx8px".parse(), pixels(9, 8));
         for bad in
             ["", "0", "x", "10x", "x10", "1x2x3", "-5", "+5", "1.5", "100001", "99999999999", "10 x 10"]
         {
             assert!(bad.parse::<Size>().is_err(), "{bad}");
         }
-        let lengths = |text: &str| text.parse::<Size>().ok().map(|s| (s.width, s.height, s.millimetres));
-        assert_eq!(lengths("12in"), Some((1152, 1152, Some([304.8, 304.8]))));
-        assert_eq!(lengths("3m x 1.5m"), Some((11339, 5669, Some([3000.0, 1500.0]))));
-        assert_eq!(lengths("30cmx200mm"), Some((1134, 756, Some([300.0, 200.0]))));
-        assert_eq!(["mm", "-3mm", "3mmx5", "1e9m", "NaNmm"].map(lengths), [None; 5]);
+    }
+
+    #[test]
+    fn sizes_may_be_lengths() {
+        let read = |text: &str| text.parse::<Size>().ok();
+        for (text, pixels) in [
+            ("12inx12in", [1152, 1152]),
+            ("3m x 1.5m", [11339, 5669]),
+            ("30cmx200mm", [1134, 756]),
+            ("72ptx36pt", [96, 48]),
+        ] {
+            let size = read(text).unwrap();
+            assert_eq!(size.pixels(), Some(pixels), "{text}");
+            let written = serde_json::to_value(size).unwrap();
+            assert_eq!(written, text.replace(' ', ""));
+            assert_eq!(read(written.as_str().unwrap()), Some(size));
+        }
+        assert_eq!(read("12in"), read("12in x 12in"));
+        assert_eq!(read("auto").map(Size::pixels), Some(None));
+        assert_eq!(["mm", "-3mm", "3mmx5", "1e9m", "NaNmm", "9kg"].map(read), [None; 6]);
+    }
+
+    #[test]
+    fn resolutions_are_numbers_or_auto() {
+        assert_eq!("auto".parse(), Ok(Resolution(None)));
+        assert_eq!("150".parse(), Ok(Resolution(Some(150))));
+        for bad in ["", "0", "9601", "1.5", "fine"] {
+            assert!(bad.parse::<Resolution>().is_err(), "{bad}");
+        }
     }
 
     #[test]

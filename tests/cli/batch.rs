@@ -29,6 +29,21 @@ fn statuses(run: &Run) -> Vec<String> {
 }
 
 #[test]
+fn canvases_and_pages_are_those_of_a_single_command() {
+    let folder = Folder::with_library();
+    let swatch = r#"<circle cx="3" cy="3" r="1.2"/><circle cx="9" cy="10" r=".8" fill="red"/>"#;
+    let swatch = format!(r#"<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 13.9 14.3">{swatch}</svg>"#);
+    folder.write("swatch.svg", swatch);
+    folder.run("analyze swatch.svg --seed 1").succeeds();
+    for (name, options) in [("swatch", ""), ("swatch", "--size 200mm"), ("photo", "--size 300mm --dpi 12")] {
+        let shared = format!("--seed 1 {options}");
+        folder.run(&format!("batch {name}.lib.json --out-dir out {shared} --force")).succeeds();
+        folder.run(&format!("synth {name}.lib.json -o alone.svg {shared} --force")).succeeds();
+        assert_eq!(folder.read(&format!("out/{name}.svg")), folder.read("alone.svg"), "{name} {options}");
+    }
+}
+
+#[test]
 fn a_failure_does_not_stop_the_others_and_the_rest_is_resumed() {
     let folder = photos();
     let run = folder.run(&format!("{BATCH} --seed 7"));
@@ -144,42 +159,61 @@ fn what_is_wrong_with_the_list_is_told_before_anything_starts() {
     folder.run("batch photo.png --out-dir out --format gif").fails(2, "expected svg");
     folder.run("batch photo.png").fails(2, "--out-dir");
     std::fs::create_dir(folder.path("empty")).unwrap();
-    folder.run("batch empty --out-dir out").fails(2, "there are no pictures in 'empty'");
+    folder.run("batch empty --out-dir out").fails(2, "there are no pictures and no SVGs in 'empty'");
     assert!(!folder.path("out").exists());
 }
 
 #[test]
 #[cfg(unix)]
-fn a_job_at_which_the_program_died_is_left_out_next_time_and_takes_no_other_along() {
+fn a_job_at_which_the_program_died_is_tried_once_more_and_takes_no_other_along() {
     let folder = Folder::with_library();
     folder.write(
         "jobs.toml",
-        "seed = 3\n[[job]]\ninput = 'photo.lib.json'\noutput = 'large'\n[job.synth]\nsize = 6000\n\n\
+        "seed = 3\n[[job]]\ninput = 'photo.lib.json'\noutput = 'large'\n[job.synth]\nsize = 1000\n\n\
          [[job]]\ninput = 'photo.lib.json'\noutput = 'small'\n[job.synth]\nsize = 40\n",
     );
     let line = "batch jobs.toml --out-dir out";
-    let marked = || {
+    let markers = || {
         let all = std::fs::read_dir(folder.path("out")).into_iter().flatten().flatten();
-        all.map(|entry| entry.file_name().into_string().unwrap()).any(|name| name.ends_with(".running"))
+        let names = all.map(|entry| entry.file_name().into_string().unwrap());
+        names.filter(|name| name.ends_with(".running")).collect::<Vec<_>>()
     };
-    let mut child = folder.command(line).stderr(std::process::Stdio::null()).spawn().unwrap();
-    while !marked() && child.try_wait().unwrap().is_none() {
-        std::thread::sleep(std::time::Duration::from_millis(5));
-    }
-    child.kill().unwrap();
-    child.wait().unwrap();
-    assert!(marked());
+    let kill_during = |line: &str| {
+        let before = markers();
+        let mut child = folder.command(line).stderr(std::process::Stdio::null()).spawn().unwrap();
+        let begun = || markers().iter().any(|name| !before.contains(name));
+        while !begun() && child.try_wait().unwrap().is_none() {
+            std::thread::sleep(std::time::Duration::from_millis(2));
+        }
+        child.kill().unwrap();
+        child.wait().unwrap();
+        assert!(begun());
+    };
+    // A power cut: the job is done in the next run, with a warning.
+    let other = "batch photo.lib.json --out-dir out --size 1000 --seed 1";
+    kill_during(other);
+    let run = folder.run(&format!("{other} --json")).succeeds();
+    assert_eq!(statuses(&run), ["done"]);
+    assert!(lines(&run).0[0]["warnings"].to_string().contains("another try"), "{}", run.text());
+    assert_eq!(statuses(&folder.run(&format!("{other} --json"))), ["skipped"]);
+
+    (0..2).for_each(|_| kill_during(line));
     for again in 0..2 {
         let run = folder.run(&format!("{line} --json"));
         assert_eq!(run.code, Some(1), "{}", run.stderr);
         assert_eq!(statuses(&run), ["failed", ["done", "skipped"][again]]);
         let job = &lines(&run).0[0];
         assert_eq!(job["died"], true);
-        assert!(job["error"].as_str().unwrap().contains("ended while it did this job"), "{job}");
-        assert!(job["hint"].as_str().unwrap().contains("--force"), "{job}");
-        assert!(!marked());
+        assert!(job["error"].as_str().unwrap().contains("killed twice during this job"), "{job}");
+        assert!(job["hint"].as_str().unwrap().contains("--force=large"), "{job}");
+        assert!(markers().is_empty());
     }
     // With other parameters it is another job.
     let run = folder.run(&format!("{line} --json --size 40")).succeeds();
+    assert_eq!(statuses(&run), ["done", "skipped"]);
+    // It is forced by its name, alone.
+    let run = folder.run(&format!("{line} --force=lrage")).fails(2, "--force=lrage names no job");
+    assert!(run.stderr.contains("did you mean 'large'?"), "{}", run.stderr);
+    let run = folder.run(&format!("{line} --json --force=large")).succeeds();
     assert_eq!(statuses(&run), ["done", "skipped"]);
 }

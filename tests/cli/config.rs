@@ -11,7 +11,7 @@ fn a_dump_holds_every_parameter_and_reads_back_as_itself() {
         "#threads =",
         "segmenter = \"auto\"",
         "minimum-area = 5",
-        "size = \"1000x1000\"",
+        "size = \"auto\"",
         "weights = [0.5, -0.4, -0.2, -0.5, -0.5]",
         "precision = 1",
         "scale = 1.0",

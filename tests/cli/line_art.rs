@@ -79,6 +79,16 @@ fn its_texture_is_made_of_curves() {
 }
 
 #[test]
+fn a_picture_of_lines_that_is_read_as_a_photograph_is_warned_of() {
+    let folder = with_waves();
+    folder.write("photo.png", super::support::photo());
+    let warns = |arguments: &str| folder.run(arguments).succeeds().stderr.contains("--kind curves reads it");
+    assert!(warns("analyze waves.png -o waves.lib.json"));
+    assert!(!warns("analyze waves.png --kind curves -o waves.lib.json --force"));
+    assert!(!warns("analyze photo.png -o photo.lib.json --force"));
+}
+
+#[test]
 fn what_does_not_fit_is_refused() {
     let folder = with_waves();
     let blank = GrayImage::from_pixel(100, 100, Luma([240]));

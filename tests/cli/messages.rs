@@ -83,11 +83,20 @@ fn what_fails_says_why_and_what_to_try() {
     let folder = Folder::with_library();
     folder.write("empty.png", b"");
     folder.write("text.txt", b"hello");
+    folder.write("photo.heic", b"\0\0\0\x18ftypheic\0\0\0\0mif1heic\0\0\0\0meta");
     folder.run("synth photo.lib.json -o scene.svg --size 50").succeeds();
     for (arguments, message, hint) in [
         ("analyze none.png", "cannot read 'none.png': ", "hint: check the spelling"),
-        ("analyze empty.png", "cannot decode 'empty.png' as an image: the file is empty", "hint: PNG, JPEG"),
-        ("analyze text.txt", "cannot decode 'text.txt'", "hint: PNG, JPEG"),
+        (
+            "analyze empty.png",
+            "cannot decode 'empty.png' as an image: the file is empty",
+            "hint: SVG, PNG, JPEG",
+        ),
+        ("analyze text.txt", "cannot decode 'text.txt'", "hint: SVG, PNG, JPEG"),
+        ("analyze photo.heic", "'photo.heic' is a HEIC picture", "hint: export it as JPEG or PNG"),
+        ("texture photo.heic", "'photo.heic' is a HEIC picture", "hint: export it as JPEG or PNG"),
+        ("vectorize photo.heic", "'photo.heic' is a HEIC picture", "hint: export it as JPEG or PNG"),
+        ("synth photo.lib.json --density photo.heic", "a HEIC picture", "hint: export it as JPEG or PNG"),
         ("analyze photo.lib.json", "'photo.lib.json' holds a library, not an image", "hint: make a texture"),
         ("synth photo.png", "'photo.png' holds an image, not a library", "hint: make a library"),
         ("synth scene.svg", "'scene.svg' holds an SVG, not a library", "hint: "),
@@ -446,4 +455,79 @@ fn what_is_wrong_with_a_drawing_is_what_is_said() {
         .run("transfer --onto photo.png --appearance plain.svg -o out.svg --quiet")
         .fails(1, "wider than a pixel");
     assert!(!run.stderr.contains("from above"), "{}", run.stderr);
+}
+
+#[test]
+fn a_texture_without_elements_is_warned_of() {
+    let folder = Folder::new();
+    // One line that goes on across the border: no method that places whole elements has any.
+    let line = "<path d='M-9 20 H60' stroke='#a00' stroke-width='4'/>";
+    folder.write(
+        "line.svg",
+        format!("<svg xmlns='http://www.w3.org/2000/svg' width='40' height='40'>{line}</svg>"),
+    );
+    folder.run("analyze line.svg -o line.lib.json").succeeds();
+    let run =
+        folder.run("synth line.lib.json --method descriptor --size 200 --seed 1 -o none.svg").succeeds();
+    for said in [
+        "warning: the texture has no elements; the library has 1: the border cuts all",
+        "hint: leave out --method",
+    ] {
+        assert!(run.stderr.contains(said), "{}", run.stderr);
+    }
+    assert!(run.stderr.contains("0 elements in 0 categories, elements cover 0 %"), "{}", run.stderr);
+    let run = folder.run("synth line.lib.json --size 200 --seed 1 -o some.svg").succeeds();
+    assert!(!run.stderr.contains("warning") && run.stderr.contains("in 1 category"), "{}", run.stderr);
+}
+
+#[test]
+fn foreign_objects_are_counted() {
+    let folder = Folder::new();
+    let foreign =
+        "<foreignObject width='9' height='9'><p xmlns='http://www.w3.org/1999/xhtml'>a</p></foreignObject>";
+    let shapes = format!(
+        "<rect width='40' height='40' fill='#fff'/>{foreign}{foreign}<circle cx='20' cy='20' r='6'/>"
+    );
+    folder.write(
+        "a.svg",
+        format!("<svg xmlns='http://www.w3.org/2000/svg' width='40' height='40'>{shapes}</svg>"),
+    );
+    let run = folder.run("render a.svg -o a.png").succeeds();
+    assert!(
+        run.stderr.contains("'a.svg' holds 2 <foreignObject>, which vtex does not draw"),
+        "{}",
+        run.stderr
+    );
+    let run = folder.run("analyze a.svg -o a.lib.json").succeeds();
+    assert!(run.stderr.contains("2 <foreignObject> are left out: turn them into paths"), "{}", run.stderr);
+}
+
+#[test]
+fn words_fit_what_they_are_about() {
+    let folder = Folder::with_library();
+    folder.run("synth photo.lib.json --size 60 --seed 1 -o a.scene.json").succeeds();
+    let scene = String::from_utf8(folder.read("a.scene.json")).unwrap();
+    folder.write("b.scene.json", scene.replacen("60", &format!("\"{}\"", "z".repeat(900)), 1));
+    let run = folder.run("render b.scene.json -o b.png").fails(1, "at line 1 column");
+    assert!(run.stderr.lines().next().unwrap().chars().count() < 320, "{}", run.stderr);
+    folder.run("texture photo.png --layer-order 1,x").fails(2, "expected numbers of layers, counted from 0");
+    folder.run("layers photo.png --layer-order 1,x").fails(2, "expected numbers of layers, counted from 0");
+    let run = folder.run("synth photo.lib.json --size 60 --seed 1 --exclude moss -o c.svg").succeeds();
+    assert!(run.stderr.contains("there is no category 'moss' to exclude; known are "), "{}", run.stderr);
+    let tiny =
+        "<svg xmlns='http://www.w3.org/2000/svg' width='0.0002' height='0.0003'><path d='M0 0H1V1z'/></svg>";
+    folder.write("tiny.svg", tiny);
+    folder.run("analyze tiny.svg").fails(1, "its page has 0.0002 x 0.0003 units");
+    let run = folder.run("synth tiny.svg -o t.svg").fails(1, "'tiny.svg' holds an SVG, not a library");
+    assert!(run.stderr.contains("'vtex analyze'"), "{}", run.stderr);
+    // A shape that holds a third of the canvas wants less than the exemplar has.
+    let shape =
+        "<svg xmlns='http://www.w3.org/2000/svg' width='90' height='90'><path d='M0 0H30V90H0z'/></svg>";
+    folder.write("shape.svg", shape);
+    let run = folder.run("synth photo.lib.json --size 90 --seed 1 --domain shape.svg -o d.svg").succeeds();
+    assert!(
+        run.stderr.contains("of the canvas (") && run.stderr.contains(" wanted there, "),
+        "{}",
+        run.stderr
+    );
 }

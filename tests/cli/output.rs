@@ -87,7 +87,9 @@ fn a_reader_that_goes_away_is_no_failure() {
 fn a_full_disk_behind_stdout_is_reported() {
     let folder = Folder::with_library();
     let full = || std::fs::File::options().write(true).open("/dev/full").unwrap();
-    for arguments in ["synth photo.lib.json -o - --size 50", "inspect photo.lib.json", "--dump-config"] {
+    for arguments in
+        ["synth photo.lib.json -o - --size 50", "inspect photo.lib.json", "models list", "--dump-config"]
+    {
         let output = folder.command(arguments).stdout(full()).output().unwrap();
         let stderr = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(1), "{arguments}: {stderr}");
@@ -172,7 +174,10 @@ fn a_limit_of_bytes_is_kept_and_what_it_cost_is_told() {
     let [most, pattern] = ["c.svg", "d.svg"].map(|name| folder.read(name).len());
     assert!(most < folder.read("a.svg").len() && pattern < folder.read("b.svg").len());
     let run = folder.run(&format!("{fine} -o e.svg --max-bytes {most} --json")).succeeds();
-    let cost = serde_json::json!({ "decimals": 1, "tolerance": 0.0, "details": 0, "elements": 0 });
+    let cost = serde_json::json!({
+        "decimals": 1, "names": false, "tolerance": 0.0, "details": 0, "elements": 0, "primaries": 0,
+        "background": 1.0, "colours": 0.0,
+    });
     assert_eq!((&run.json()["given_up"], &run.json()["bytes"]), (&cost, &most.into()));
     assert_eq!(folder.read("e.svg"), folder.read("c.svg"));
     let told = folder.run(&format!("{fine} -o e.svg --max-bytes {most}")).succeeds().stderr;
@@ -196,6 +201,17 @@ fn a_limit_of_bytes_is_kept_and_what_it_cost_is_told() {
     let run = folder.run(&format!("{fine} -o small.pdf --max-bytes {most} --json")).succeeds();
     assert!(folder.read("small.pdf").len() <= most && run.json().get("given_up").is_some());
     folder.run(&format!("{fine} -o tiny.pdf --max-bytes 1")).fails(1, "the smallest has ");
+
+    // A quarter of the bytes takes coarser outlines, most details, a coarser background, and says so.
+    let most = folder.read("a.svg").len() / 4;
+    let run = folder.run(&format!("{fine} -o quarter.svg --max-bytes {most}")).succeeds();
+    assert!(folder.read("quarter.svg").len() <= most);
+    for part in ["elements have no names", "details and", "times coarser"] {
+        assert!(run.stderr.contains(part), "{}", run.stderr);
+    }
+    let most = folder.read("whole.pdf").len() / 2;
+    folder.run(&format!("{fine} -o half.pdf --max-bytes {most}")).succeeds();
+    assert!(folder.read("half.pdf").len() <= most);
 }
 
 #[test]
@@ -294,24 +310,129 @@ fn presets_set_what_they_say_and_options_win() {
     folder.run("analyze photo.png --preset best").fails(2, "expected draft, default, fine or poster");
 }
 
+/// Pixels per metre that a PNG states.
+fn density(png: &[u8]) -> Option<[u32; 2]> {
+    let at = png.windows(4).position(|name| name == b"pHYs")? + 4;
+    let number = |k: usize| u32::from_be_bytes(std::array::from_fn(|i| png[at + 4 * k + i]));
+    assert_eq!(png[at + 8], 1, "metres");
+    Some([number(0), number(1)])
+}
+
+/// The start tag of an SVG.
+fn root(svg: &[u8]) -> String {
+    let text = String::from_utf8_lossy(svg);
+    let (_, rest) = text.split_once("<svg ").unwrap();
+    rest.split_once('>').unwrap().0.to_owned()
+}
+
 #[test]
-fn sizes_may_have_units() {
+fn lengths_are_written_exactly_in_every_format() {
+    let folder = Folder::with_library();
+    // 300 mm are 354.3 px at 30 dpi.
+    let files = "-o a.svg -o a.pdf -o a.png -o a.scene.json -o a.svgz";
+    let synth = "synth photo.lib.json --seed 1 --lattice off";
+    let pattern = "--tile --pattern p.svg";
+    let json = folder
+        .run(&format!("{synth} --size 300mmx300mm --dpi 30 {pattern} {files} --json"))
+        .succeeds()
+        .json();
+    assert_eq!(json["size"], serde_json::json!([354, 354]));
+    assert_eq!(json["page"], serde_json::json!(["300mm", "300mm"]));
+    let a = root(&folder.read("a.svg"));
+    assert!(a.contains(r#"width="300mm" height="300mm" viewBox="0 0 354 354""#), "{a}");
+    assert!(!a.contains("preserveAspectRatio"), "{a}");
+    // 300 mm are 1133.858267… px of CSS.
+    let by = 300.0 / 25.4 * 96.0 / 354.0;
+    let pattern = String::from_utf8(folder.read("p.svg")).unwrap();
+    assert!(pattern.contains(&format!("scale({by:.12} {by:.12})")), "{by}");
+    let media_box = |name: &str| {
+        let pdf = String::from_utf8_lossy(&folder.read(name)).into_owned();
+        pdf.split_once("/MediaBox [0 0 ").unwrap().1.split_once(']').unwrap().0.to_owned()
+    };
+    assert_eq!(media_box("a.pdf"), "850.3937 850.3937");
+    assert_eq!(density(&folder.read("a.png")), Some([1180, 1180]));
+    // The scene keeps the page, whatever is made of it.
+    folder.run("edit a.scene.json -o b.scene.json -o b.svg -o b.png --op 'rotate 30'").succeeds();
+    folder.run("render b.scene.json -o c.svg -o c.pdf -o c.png --scale 2").succeeds();
+    for name in ["b.svg", "c.svg"] {
+        assert_eq!(root(&folder.read(name)), a, "{name}");
+    }
+    assert_eq!(media_box("c.pdf"), media_box("a.pdf"));
+    assert_eq!(
+        ["b.png", "c.png"].map(|name| density(&folder.read(name))),
+        [Some([1180; 2]), Some([2360; 2])]
+    );
+    folder.run("warp a.scene.json photo.lib.json --stretch 2x1 -o d.svg").succeeds();
+    assert!(root(&folder.read("d.svg")).contains(r#"width="600mm" height="300mm""#));
+    folder.run("render a.scene.json --dpi 60 -o e.svg").succeeds();
+    assert!(root(&folder.read("e.svg")).contains(r#"width="149.86mm""#), "an explicit --dpi wins");
+    let told = folder.run("inspect a.scene.json").succeeds().text().to_owned();
+    assert!(told.contains("300mm x 300mm"), "{told}");
+}
+
+#[test]
+fn a_page_that_is_no_whole_number_of_pixels_is_stretched_to_be_exact() {
     let folder = Folder::with_library();
     let synth = "synth photo.lib.json --seed 1";
-    let json = folder.run(&format!("{synth} --size 30mm -o a.svg --json")).succeeds().json();
-    assert_eq!(json["size"], serde_json::json!([113, 113]));
-    let json = folder.run(&format!("{synth} --size 1inx2cm --dpi 150 -o b.svg --json")).succeeds().json();
-    assert_eq!(json["size"], serde_json::json!([150, 118]));
-    let svg = String::from_utf8(folder.read("b.svg")).unwrap();
-    assert!(svg.contains(r#"width="25.4mm" height="19.981mm" viewBox="0 0 150 118""#), "{}", &svg[..400]);
-    // At the resolution of CSS no unit is written.
-    assert!(String::from_utf8(folder.read("a.svg")).unwrap().contains(r#"width="113" height="113""#));
+    for (size, dpi, stated) in [
+        ("3mx1m", 4, r#"width="3000mm" height="1000mm" viewBox="0 0 472 157""#),
+        ("1inx2cm", 150, r#"width="1in" height="2cm" viewBox="0 0 150 118""#),
+        ("72ptx50pt", 100, r#"width="72pt" height="50pt" viewBox="0 0 100 69""#),
+        ("29.7cmx210mm", 10, r#"width="29.7cm" height="210mm" viewBox="0 0 117 83""#),
+    ] {
+        folder.run(&format!("{synth} --size {size} --dpi {dpi} -o a.svg -o a.pdf --force")).succeeds();
+        let root = root(&folder.read("a.svg"));
+        assert!(root.contains(stated), "{size}: {root}");
+        assert!(root.contains(r#"preserveAspectRatio="none""#), "{size}: {root}");
+    }
     folder.run(&format!("{synth} --size 1in --dpi 144 -o c.pdf")).succeeds();
     let pdf = String::from_utf8_lossy(&folder.read("c.pdf")).into_owned();
     assert!(pdf.contains("/MediaBox [0 0 72 72]"), "an inch has 72 points");
-    folder.run(&format!("{synth} --size 9kg")).fails(2, "expected 1000 or 1000x600");
-    folder.run(&format!("{synth} --size 100mm --dpi 0")).fails(2, "1 to 9600");
-    folder.run(&format!("{synth} --size 900m")).fails(2, "size");
+    // Without lengths --dpi states the page.
+    folder.run(&format!("{synth} --size 90x60 --dpi 150 -o d.svg")).succeeds();
+    assert!(root(&folder.read("d.svg")).contains(r#"width="15.24mm" height="10.16mm" viewBox="0 0 90 60""#));
+    folder.run(&format!("{synth} --size 90x60 -o e.svg")).succeeds();
+    assert!(root(&folder.read("e.svg")).contains(r#"width="90" height="60" viewBox="0 0 90 60""#));
+    folder.write("a.toml", "[synth]\nsize = '2inx1in'\n[render]\ndpi = 50\n");
+    folder.run(&format!("{synth} --config a.toml -o f.svg")).succeeds();
+    assert!(root(&folder.read("f.svg")).contains(r#"width="2in" height="1in" viewBox="0 0 100 50""#));
+    folder.run(&format!("{synth} --size 9kg")).fails(2, "lengths in mm, cm, m, in or pt");
+    folder.run(&format!("{synth} --size 100mm --dpi 0")).fails(2, "expected auto, or 1 to 9600");
+    folder.run(&format!("{synth} --size 900m --dpi 96")).fails(2, "size");
+}
+
+#[test]
+fn lengths_without_a_resolution_have_as_many_pixels_as_usual() {
+    let folder = Folder::with_library();
+    let size = |text: &str| {
+        let run = folder.run(&format!("synth photo.lib.json --seed 1 --size {text} -o a.svg --force --json"));
+        let size = run.succeeds().json()["size"].clone();
+        [0, 1].map(|k| size[k].as_f64().unwrap())
+    };
+    for (text, proportion) in [("300mm", 1.0), ("3mx1m", 3.0)] {
+        let [width, height] = size(text);
+        assert!((0.9e6..1.1e6).contains(&(width * height)), "{text}: {width} x {height}");
+        assert!((width / height / proportion - 1.0).abs() < 1e-9, "{text}: {width} x {height}");
+    }
+}
+
+#[test]
+fn a_heavy_texture_says_what_it_costs_and_what_to_type_instead() {
+    let folder = Folder::new();
+    let dot = |k: usize| format!(r#"<circle cx="{}" cy="{}" r=".4"/>"#, 2 * (k % 50) + 1, 2 * (k / 50) + 1);
+    let dots: String = (0..1500).map(dot).collect();
+    folder.write(
+        "dots.svg",
+        format!(r#"<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 100 60">{dots}</svg>"#),
+    );
+    let texture = "texture dots.svg --seed 1 --variation 0";
+    let told = folder.run(&format!("{texture} --size 700x420 -o a.svg")).succeeds().stderr;
+    assert!(told.contains("a canvas of 700 x 420 px is large for this exemplar: about 7"), "{told}");
+    assert!(told.contains("hint: --size 200x120 has larger elements"), "{told}");
+    let told = folder.run(&format!("{texture} --size 7inx4.2in --dpi 100 -o a.pdf")).succeeds().stderr;
+    assert!(told.contains("a PDF of") && told.contains("--size 7inx4.2in without --dpi"), "{told}");
+    let told = folder.run(&format!("{texture} -o b.svg")).succeeds().stderr;
+    assert!(!told.contains("is large"), "{told}");
 }
 
 #[test]

@@ -296,6 +296,9 @@ fn files_of_the_page_steer_and_nothing_is_taken_from_paths() {
     page.refuses("set", br#"{"name":"size","value":"9"}"#, "nothing is open");
     page.refuses("open?name=..%2F..%2F", b"x", "name");
     page.refuses("open?name=a.png", b"no picture", "a.png");
+    let heic = b"\0\0\0\x18ftypheic\0\0\0\0mif1heic\0\0\0\0meta";
+    page.refuses("open?name=photo.heic", heic, "a HEIC picture");
+    page.refuses("open?name=photo.heic", heic, "export it as JPEG or PNG");
     assert_eq!(folder.names(), names);
     assert_eq!(page.call("POST", "open?name=..%2F..%2Fdropped.png", &photo()).0, 200);
     assert!(folder.path("dropped.png").exists());
@@ -345,4 +348,24 @@ fn files_of_the_page_steer_and_nothing_is_taken_from_paths() {
     assert_eq!(page.call("GET", "save?format=exe", b"").0, 422);
     assert_eq!(page.call("GET", "nothing", b"").0, 404);
     page.same(&folder, "svg");
+}
+
+#[test]
+fn a_png_beyond_the_memory_of_a_page_is_refused_with_a_scale_that_does() {
+    let folder = Folder::new();
+    let page = Page::open(&folder, "photo.png --seed 3");
+    page.tell("set", &json!({ "name": "size", "value": "260x260" }));
+    page.made();
+    let (status, answer) = page.call("GET", "save?format=png&scale=100", b"");
+    let answer = String::from_utf8(answer).unwrap();
+    assert!(status == 422 && answer.contains("26000 x 26000 px is too large"), "{status} {answer}");
+    assert!(answer.contains("at most 38.4"), "{answer}");
+    let (status, saved) = page.call("GET", "save?format=png&scale=2", b"");
+    assert_eq!(status, 200);
+    // What is told before is what is saved; a large picture is not drawn for it.
+    let weighed = page.ask("weigh?format=png&scale=2");
+    assert_eq!(weighed, json!({ "bytes": saved.len(), "size": [520.0, 520.0] }));
+    assert_eq!(page.ask("weigh?format=png&scale=30")["bytes"], Value::Null);
+    let saved = page.call("GET", "save?format=svg", b"").1;
+    assert_eq!(page.ask("weigh?format=svg")["bytes"], saved.len());
 }

@@ -1,7 +1,9 @@
-//! Categories of primaries: k-means over colour, area and compactness.
+//! Categories of primaries: kinds that the eye tells apart, or k-means over colour, area and compactness. Neither
+//! depends on the seed of the analysis, so that names and numbers in scripts stay valid.
 
+use super::kinds::kinds;
+use std::cmp::Ordering;
 use vtex_base::kmeans;
-use vtex_base::raster::colour::Colour;
 use vtex_base::sampling::stream;
 use vtex_scene::library::{Categories, Category, CategoryId};
 
@@ -11,71 +13,29 @@ pub(super) type Features = [f64; 5];
 /// Colours count twice as much as area and compactness (paper §3.1.3).
 const WEIGHTS: Features = [2.0, 2.0, 2.0, 1.0, 1.0];
 
-/// Largest spread of colour within categories, found by the data: the root of the mean squared distance
-/// of members' colours to that of their category, in Oklab. Colours that far apart have one name.
-const SPREAD: f64 = 0.04;
-
-/// Divides primaries into the chosen number of categories. See [`cluster`].
+/// Divides primaries into the wanted number of categories. See [`kinds`] and [`cluster`].
 pub(super) fn divide(
     features: &[Features],
     wanted: Categories,
     image_area: f64,
-    seed: u64,
 ) -> (Vec<CategoryId>, Vec<Category>) {
-    let cluster = |k: u32| cluster(features, k as usize, image_area, seed);
     match wanted {
-        Categories::AtMost(k) => cluster(k),
-        Categories::Auto => {
-            let (mut low, mut high) = (1, Categories::MOST_BY_COLOUR);
-            while low < high {
-                let middle = (low + high) / 2;
-                if spread(features, &cluster(middle).0) <= SPREAD {
-                    high = middle;
-                } else {
-                    low = middle + 1;
-                }
-            }
-            cluster(high)
-        }
+        Categories::AtMost(k) => cluster(features, k as usize, image_area),
+        Categories::Auto => number(&kinds(features, wanted.most()), features, image_area),
     }
-}
-
-/// Root mean square distance of colours from the mean of their category, in Oklab.
-fn spread(features: &[Features], ids: &[CategoryId]) -> f64 {
-    let colours: Vec<[f64; 3]> =
-        features.iter().map(|&[r, g, b, ..]| Colour::from_f64([r, g, b]).to_oklab().map(f64::from)).collect();
-    let count = ids.iter().map(|id| id.index() + 1).max().unwrap_or(0);
-    let mut sums = vec![([0.0; 3], 0.0); count];
-    for (colour, id) in colours.iter().zip(ids) {
-        let (sum, members) = &mut sums[id.index()];
-        (0..3).for_each(|k| sum[k] += colour[k]);
-        *members += 1.0;
-    }
-    let squared = |(colour, id): (&[f64; 3], &CategoryId)| {
-        let (sum, members) = sums[id.index()];
-        (0..3).map(|k| (colour[k] - sum[k] / members) * (colour[k] - sum[k] / members)).sum::<f64>()
-    };
-    let total: f64 = colours.iter().zip(ids).map(squared).sum();
-    libm::sqrt(total / (colours.len() as f64).max(1.0))
 }
 
 /// Clusters primaries into at most `k` categories: k-means++ seeding, Lloyd's iterations, best of
 /// ten starts. Each feature is scaled to 0..1 over the primaries, then weighted. Categories are
-/// sorted by number of members, largest first; none is empty. `image_area` (pixels) is the
+/// numbered by the area that they cover; none is empty. `image_area` (pixels) is the
 /// denominator of their coverage.
-pub(super) fn cluster(
-    features: &[Features],
-    k: usize,
-    image_area: f64,
-    seed: u64,
-) -> (Vec<CategoryId>, Vec<Category>) {
+fn cluster(features: &[Features], k: usize, image_area: f64) -> (Vec<CategoryId>, Vec<Category>) {
     if features.is_empty() {
         return (Vec::new(), Vec::new());
     }
     let points = scale(features);
     let weights = vec![1.0; points.len()];
-    let assigned =
-        kmeans::cluster(&points, &weights, k, |start| stream(seed, "analyze/categories", start)).of;
+    let assigned = kmeans::cluster(&points, &weights, k, |start| stream(0, "analyze/categories", start)).of;
     number(&assigned, features, image_area)
 }
 
@@ -131,15 +91,15 @@ pub(super) fn take(
     Some((ids, categories))
 }
 
-/// Numbers clusters, the largest first.
+/// Numbers clusters, that which covers most first.
 fn number(assigned: &[usize], features: &[Features], image_area: f64) -> (Vec<CategoryId>, Vec<Category>) {
     let count = assigned.iter().max().map_or(0, |m| m + 1);
-    let mut members = vec![0u32; count];
-    for &c in assigned {
-        members[c] += 1;
+    let mut areas = vec![None::<f64>; count];
+    for (&c, f) in assigned.iter().zip(features) {
+        *areas[c].get_or_insert(0.0) += f[3];
     }
-    let mut order: Vec<usize> = (0..count).filter(|&c| members[c] > 0).collect();
-    order.sort_by_key(|&c| (std::cmp::Reverse(members[c]), c));
+    let mut order: Vec<usize> = (0..count).filter(|&c| areas[c].is_some()).collect();
+    order.sort_by(|&a, &b| areas[b].partial_cmp(&areas[a]).unwrap_or(Ordering::Equal).then(a.cmp(&b)));
     in_order(&order, assigned, features, image_area)
 }
 
@@ -185,7 +145,7 @@ mod tests {
                 [r, g, b, random.range(50.0, 60.0), 0.7]
             })
             .collect();
-        let (ids, categories) = cluster(&features, 3, 10_000.0, 1);
+        let (ids, categories) = cluster(&features, 3, 10_000.0);
         assert_eq!(categories.len(), 3);
         for i in 3..90 {
             assert_eq!(ids[i], ids[i % 3]);
@@ -197,29 +157,16 @@ mod tests {
     }
 
     #[test]
-    fn as_many_categories_as_there_are_colours() {
-        let mut random = stream(6, "test", 0);
-        for colours in [1, 2, 5, 9] {
-            let features: Vec<Features> = (0..40 * colours)
-                .map(|i| {
-                    // Hues around the grey axis, far enough apart for different names.
-                    let hue = (i % colours) as f64 / colours as f64 * std::f64::consts::TAU;
-                    let [r, g, b] = [0.0, 2.1, 4.2].map(|shift| 128.0 + 90.0 * libm::cos(hue - shift));
-                    let noise = random.range(-3.0, 3.0);
-                    [r + noise, g + noise, b + noise, 50.0, 0.7]
-                })
-                .collect();
-            let (ids, categories) = divide(&features, Categories::Auto, 10_000.0, 1);
-            // The smallest number of categories with similar colours; two of nine hues may share a category.
-            let found = categories.len();
-            assert!(spread(&features, &ids) <= SPREAD);
-            assert!(found == 1 || spread(&features, &cluster(&features, found - 1, 1e4, 1).0) > SPREAD);
-            assert!(colours == 9 || found == colours, "{colours}: {found}");
+    fn numbers_follow_the_area_covered() {
+        let leaf = |v: f64, area: f64| [v, 40.0, 40.0, area, 0.7];
+        // Many small ones cover less than a few large ones.
+        let features = [vec![leaf(40.0, 20.0); 60], vec![leaf(240.0, 900.0); 5]].concat();
+        for wanted in [Categories::Auto, Categories::AtMost(2)] {
+            let (ids, categories) = divide(&features, wanted, 10_000.0);
+            assert_eq!([ids[0], ids[64]], [CategoryId(1), CategoryId(0)], "{wanted}");
+            assert_eq!(categories.iter().map(|c| c.members).collect::<Vec<_>>(), [5, 60]);
         }
-        let grey: Vec<Features> =
-            (0..50).map(|i| [120.0 + f64::from(i % 3), 121.0, 120.0, 50.0, 0.7]).collect();
-        assert_eq!(divide(&grey, Categories::Auto, 1000.0, 1).1.len(), 1);
-        assert!(divide(&[], Categories::Auto, 1000.0, 1).1.is_empty());
+        assert!(divide(&[], Categories::Auto, 1000.0).1.is_empty());
     }
 
     #[test]
@@ -243,8 +190,8 @@ mod tests {
     #[test]
     fn fewer_points_than_categories() {
         let same = [[1.0, 2.0, 3.0, 4.0, 0.5]; 3];
-        let (ids, categories) = cluster(&same, 15, 100.0, 0);
+        let (ids, categories) = cluster(&same, 15, 100.0);
         assert_eq!((ids.len(), categories.len()), (3, 1));
-        assert!(cluster(&[], 15, 100.0, 0).0.is_empty());
+        assert!(cluster(&[], 15, 100.0).0.is_empty());
     }
 }

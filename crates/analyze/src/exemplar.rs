@@ -42,11 +42,13 @@ impl Exemplar {
 
     /// Decodes a PNG, JPEG, TIFF, WebP, BMP, GIF or PNM image; the format is detected from the
     /// content. `name` is stored as the file name and appears in errors. Only the first frame of an
-    /// animation is used. 16-bit samples are rounded to 8 bits, grey and CMYK are converted to RGB, and
+    /// animation is used. Colours are converted to sRGB from the colour profile of the image, with a warning
+    /// if it cannot be applied. 16-bit samples are rounded to 8 bits, grey and CMYK are converted to RGB, and
     /// the EXIF rotation is applied. Transparent pixels are composited over white, with a warning.
     ///
     /// # Errors
-    /// [`Error::Decode`] if the bytes are no image or damaged, [`Error::TooLarge`] beyond `limits`,
+    /// [`Error::Decode`] if the bytes are no image or damaged, [`Error::OtherFormat`] for a picture of another
+    /// kind, [`Error::TooLarge`] beyond `limits`,
     /// [`Error::Unusable`] below 32 × 32 pixels or if all pixels have the same colour.
     pub fn from_bytes(bytes: &[u8], name: &str, limits: &Limits) -> Result<Self> {
         let mut warnings = Vec::new();
@@ -54,7 +56,7 @@ impl Exemplar {
         Ok(Self { sha256: sha256(bytes), warnings, ..Self::new(image, name, String::new())? })
     }
 
-    /// An image in memory, converted as in [`Exemplar::from_bytes`]. Its sum is that of the binary PPM file
+    /// An image in memory in sRGB, converted as in [`Exemplar::from_bytes`]. Its sum is that of the binary PPM file
     /// that its pixels would be.
     ///
     /// # Errors

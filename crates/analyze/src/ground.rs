@@ -26,6 +26,8 @@ fn rules(params: &AnalyzeParams) -> Rules {
     Rules { contrast: f64::INFINITY, harm: 0.5, seen: 0.6, radius: 8.5, areas }
 }
 
+/// Name of the stage.
+pub(super) const STAGE: &str = "joining";
 /// Most rounds of the pursuit on the bare background, which only tells what patches are worth.
 const FIRST_ROUNDS: usize = 8;
 /// Bytes of a spot as [`RateDistortion`] counts them: an ellipse and the element that it is.
@@ -64,7 +66,8 @@ impl Ground {
         // Errors of the window are sums over pixels.
         let least = cost.error_per_byte / grid.area() * SPOT_BYTES;
         let rules = rules(partition.params);
-        let shades = window.paint(least, FIRST_ROUNDS, rules, progress)?;
+        let rounds = |before: usize| PaintedRounds { progress, before };
+        let shades = window.paint(least, FIRST_ROUNDS, rules, &rounds(0))?;
         let worth = cost.error_per_byte * DEARER * SECONDARY_BYTES;
         let stays = parallel::map(&patches, |patch| gain(image, &window, patch, grid.cells) >= worth);
         let patches: Vec<FlatPatch> =
@@ -72,9 +75,22 @@ impl Ground {
         window.painted = bare;
         leave_out(&mut window, &patches, grid);
         let mut shades = window.repaint(&shades, least, rules);
-        shades.extend(window.paint(least, ROUNDS, rules, progress)?);
+        shades.extend(window.paint(least, ROUNDS, rules, &rounds(FIRST_ROUNDS))?);
         let spot = |shade: Shade| GroundSpot { behind: behind.colour(shade.ellipse.centre), shade };
         Ok(Self { patches, spots: shades.into_iter().map(spot).collect() })
+    }
+}
+
+/// Progress of the stage by the rounds of both pursuits, which take most of its time.
+struct PaintedRounds<'a> {
+    progress: &'a dyn Progress,
+    /// Rounds before this pursuit.
+    before: usize,
+}
+
+impl Progress for PaintedRounds<'_> {
+    fn advance(&self, _: &'static str, done: u64, _: u64) -> bool {
+        self.progress.advance(STAGE, self.before as u64 + done, (FIRST_ROUNDS + ROUNDS) as u64)
     }
 }
 

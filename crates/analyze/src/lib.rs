@@ -13,6 +13,7 @@ mod exemplar;
 mod grid;
 mod ground;
 mod joining;
+mod kinds;
 mod margin;
 mod memory;
 mod moments;
@@ -158,7 +159,7 @@ fn analyze_whole(
         None => (vec![None; partition.primaries.len()], None),
     };
     let (strata, parts) = parts(&partition, &known, layers, progress)?;
-    advance(progress, "joining", 0, 1)?;
+    advance(progress, ground::STAGE, 0, 1)?;
     let mut warnings = exemplar.warnings.clone();
     let remembers = memory.as_mut().map(|memory| &mut memory.elements);
     let pieces = pieces(&partition, &strata, (parts, &known, remembers), &mut warnings, progress)?;
@@ -278,7 +279,7 @@ fn categorise(
     let masks = if given.is_empty() { Vec::new() } else { Mask::all_of_labels(labels, primaries.len() + 1) };
     let of: Vec<Option<usize>> = masks.iter().skip(1).map(|mask| GivenCategory::of(mask, given)).collect();
     let (ids, categories) = categories::take((&names, &of), &features, image_area)
-        .unwrap_or_else(|| categories::divide(&features, params.categories, image_area, params.seed));
+        .unwrap_or_else(|| categories::divide(&features, params.categories, image_area));
     primaries.iter_mut().zip(&ids).for_each(|(p, &id)| p.category = Some(id));
     (ids, categories)
 }

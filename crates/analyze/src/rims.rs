@@ -10,7 +10,8 @@
 use super::edges::sample;
 use super::painted::PaintedPicture;
 use image::RgbImage;
-use vtex_base::geometry::{Outline, Point, Vec2};
+use std::ops::Range;
+use vtex_base::geometry::{Outline, Point, Rect, Vec2};
 use vtex_base::parallel;
 use vtex_base::raster::LabelMap;
 use vtex_base::raster::colour::Colour;
@@ -181,28 +182,33 @@ impl NearPixel {
 /// The pixels of a picture that a line along an outline touches, half of its width on either side.
 fn pixels_near(outline: &Outline, half: f64, size: [u32; 2]) -> Vec<NearPixel> {
     let reach = half + 0.5;
-    let bounds = outline.bounds().inflate(reach, reach);
-    let clipped = |from: f64, to: f64, side: u32| {
-        let [from, to] = [libm::floor(from), libm::ceil(to)].map(|v| v.clamp(0.0, f64::from(side)) as usize);
+    let rings = outline.polygons(0.05);
+    let points = rings.iter().flatten();
+    // Polygons reach beyond the bounds of the curves that they replace, by up to the tolerance.
+    let Some(bounds) = points.map(|p| Rect::from_points(*p, *p)).reduce(|all, p| all.union(p)) else {
+        return Vec::new();
+    };
+    let pixels = |from: f64, to: f64, within: &Range<usize>| {
+        let [from, to] = [libm::floor(from - reach), libm::ceil(to + reach)];
+        let [from, to] = [from, to].map(|v| v.clamp(within.start as f64, within.end as f64) as usize);
         from..to
     };
-    let whole = [clipped(bounds.x0, bounds.x1, size[0]), clipped(bounds.y0, bounds.y1, size[1])];
-    let columns = whole[0].len();
-    let mut squares = vec![f64::INFINITY; columns * whole[1].len()];
-    for ring in outline.polygons(0.05) {
+    let [width, height] = size.map(|side| 0..side as usize);
+    let [columns, rows] = [pixels(bounds.x0, bounds.x1, &width), pixels(bounds.y0, bounds.y1, &height)];
+    let mut squares = vec![f64::INFINITY; columns.len() * rows.len()];
+    for ring in &rings {
         for (i, &from) in ring.iter().enumerate() {
             let to = ring[(i + 1) % ring.len()];
             // In short pieces, around each of which few pixels are far away.
             let count = libm::ceil((to - from).hypot() / reach).max(1.0);
             for k in 0..count as usize {
                 let [a, b] = [k, k + 1].map(|k| from.lerp(to, k as f64 / count));
-                let (x0, x1, y0, y1) = (a.x.min(b.x), a.x.max(b.x), a.y.min(b.y), a.y.max(b.y));
-                let [xs, ys] =
-                    [clipped(x0 - reach, x1 + reach, size[0]), clipped(y0 - reach, y1 + reach, size[1])];
-                for y in ys {
+                let piece = Rect::from_points(a, b);
+                let xs = pixels(piece.x0, piece.x1, &columns);
+                for y in pixels(piece.y0, piece.y1, &rows) {
                     for x in xs.clone() {
                         let middle = Point::new(x as f64 + 0.5, y as f64 + 0.5);
-                        let near = &mut squares[(y - whole[1].start) * columns + x - whole[0].start];
+                        let near = &mut squares[(y - rows.start) * columns.len() + x - columns.start];
                         *near = near.min(squared_distance(middle, a, b));
                     }
                 }
@@ -211,7 +217,7 @@ fn pixels_near(outline: &Outline, half: f64, size: [u32; 2]) -> Vec<NearPixel> {
     }
     let near = squares.into_iter().enumerate().filter(|(_, square)| *square < reach * reach);
     let pixel = |(i, square): (usize, f64)| {
-        let (x, y) = (whole[0].start + i % columns, whole[1].start + i / columns);
+        let (x, y) = (columns.start + i % columns.len(), rows.start + i / columns.len());
         NearPixel { index: y * size[0] as usize + x, distance: libm::sqrt(square) }
     };
     near.map(pixel).collect()
@@ -286,9 +292,10 @@ mod tests {
     use crate::{AnalyzeParams, Exemplar, analyze};
     use image::Rgb;
     use vtex_base::error::Result;
-    use vtex_base::geometry::parse_path;
+    use vtex_base::geometry::{BezPath, parse_path};
     use vtex_base::progress::Progress;
     use vtex_base::raster::{LabelMap, Limits, Mask};
+    use vtex_base::sampling::stream;
     use vtex_scene::library::{Library, Shading};
     use vtex_scene::reconstruct::reconstruct;
     use vtex_segment::segment::{ScoredMask, Segmenter};
@@ -348,6 +355,47 @@ mod tests {
         // A speck.
         let speck = Outline::new(&parse_path("M38 38h4v4h-4z").unwrap()).unwrap();
         assert_eq!(rim(&disc(6.0), &speck, 0.0), None);
+    }
+
+    /// A ring of some curves with points made by chance around a picture of 64 × 48, or in its middle.
+    fn by_chance(item: u64) -> Outline {
+        let mut random = stream(58, "rims/tests", item);
+        let around = if item.is_multiple_of(4) { 9.0 } else { -12.0 };
+        let mut point =
+            || Point::new(random.range(-around, 64.0 + around), random.range(-around, 48.0 + around));
+        let mut path = BezPath::new();
+        path.move_to(point());
+        (0..1 + item % 5).for_each(|_| path.curve_to(point(), point(), point()));
+        Outline::new(&path).unwrap()
+    }
+
+    #[test]
+    fn pixels_near_outlines_made_by_chance_are_those_within_reach() {
+        let mut beyond = 0;
+        for item in 0..2000 {
+            let outline = by_chance(item);
+            let (rings, bounds) = (outline.polygons(0.05), outline.bounds());
+            // Lines that end on a border of pixels where they follow the curves.
+            let end = [bounds.x0, bounds.y0, -bounds.x1, -bounds.y1][item as usize % 4];
+            let half = 0.5 + (end - libm::floor(end)) + (item % 3) as f64;
+            beyond += rings.iter().flatten().filter(|p| bounds.union_pt(**p) != bounds).count();
+            let near = pixels_near(&outline, half, [64, 48]);
+            let mut found = near.iter().map(|p| (p.index, p.distance)).peekable();
+            for index in 0..64 * 48 {
+                let middle = Point::new((index % 64) as f64 + 0.5, (index / 64) as f64 + 0.5);
+                let sides = rings.iter().flat_map(|r| (0..r.len()).map(|i| (r[i], r[(i + 1) % r.len()])));
+                let squares = sides.map(|(a, b)| squared_distance(middle, a, b));
+                let wanted = libm::sqrt(squares.fold(f64::INFINITY, f64::min));
+                match found.next_if(|(own, _)| *own == index) {
+                    Some((_, distance)) => assert!((distance - wanted).abs() < 1e-9, "{outline}: {index}"),
+                    // Distances on the limit may round to either side.
+                    None => assert!(wanted > half + 0.5 - 1e-9, "{outline}: {index} at {wanted}"),
+                }
+            }
+            assert!(found.next().is_none());
+        }
+        assert!(beyond > 100, "{beyond}");
+        assert!(pixels_near(&Outline::default(), 2.0, [64, 48]).is_empty());
     }
 
     #[test]

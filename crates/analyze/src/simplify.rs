@@ -1,7 +1,7 @@
 //! Simplification: joins and drops pieces until the drawing is worth its bytes.
 
 use super::grid::Cells;
-use super::ground::Ground;
+use super::ground::{Ground, STAGE};
 use super::joining;
 use super::memory::{ElementParts, ElementsMemory, KnownParts};
 use super::painted::PaintedPicture;
@@ -67,10 +67,10 @@ pub(super) fn simplify(
     let is_soft = params.shading == Shading::Soft && params.colors == 0 && params.max_paths == 0;
     if is_soft {
         cost = cost.dearer(shading::DEARER).adapted(&partition.exemplar.image);
-        let tasks = SideBySide::new(progress, "joining");
+        let tasks = SideBySide::new(progress, STAGE);
         let (shaded, ground) = parallel::join(
             || shading::shaded(partition, details, known, cost, &tasks.silent()),
-            || Ground::new(partition, secondaries, cost, behind, &tasks.silent()),
+            || Ground::new(partition, secondaries, cost, behind, &tasks),
         );
         let (mut shaded, mut ground) = (shaded?, ground?);
         remember(partition, (details, known), Some(&shaded), remembers);

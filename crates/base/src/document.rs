@@ -3,7 +3,7 @@
 //! Reading validates: afterwards every index is in range, every number finite and every run-length code adds
 //! up, so no later stage checks again.
 
-use crate::error::{Error, Result, clip};
+use crate::error::{Error, Result, clip, clip_to};
 use crate::gzip;
 use serde::de::{DeserializeOwned, DeserializeSeed, IgnoredAny, MapAccess, Visitor};
 use serde::{Deserializer, Serialize};
@@ -98,7 +98,7 @@ pub fn from_bytes<'a, T: Document>(bytes: impl Into<Cow<'a, [u8]>>, name: &str) 
     // An unbalanced brace before the seal makes it a field of another object.
     let read = read.map_err(|e| {
         let braces = ends_at_seal(&json, &e).then(|| braces(&json)).flatten();
-        braces.unwrap_or_else(|| without_list(e.to_string()))
+        braces.unwrap_or_else(|| in_short(&without_list(e.to_string())))
     });
     let document: T = read.map_err(fail)?;
     document.validate().map_err(fail)?;
@@ -133,6 +133,19 @@ pub fn without_list(message: String) -> String {
     // The names are in backquotes. After the last of them stands the place in the file.
     let (names, place) = rest.rsplit_once('`').unwrap_or((rest, ""));
     if names.matches("`, `").count() < MOST { message } else { format!("{before}{place}") }
+}
+
+/// A message of the JSON reader without the middle of long content that it quotes. What is expected, and where,
+/// stands at its end.
+fn in_short(message: &str) -> String {
+    const BEGINNING: usize = 100;
+    const END: usize = 120;
+    let count = message.chars().count();
+    if count <= BEGINNING + END {
+        return message.to_owned();
+    }
+    let end: String = message.chars().skip(count - END).collect();
+    format!("{} … {end}", clip_to(message, BEGINNING))
 }
 
 /// The fields that identify a document.
@@ -267,6 +280,18 @@ mod tests {
         assert_eq!(super::without_list(message(5)), message(5));
         assert_eq!(super::without_list(message(25)), "unknown field `x` at line 1 column 2");
         assert_eq!(super::without_list("trailing comma".into()), "trailing comma");
+    }
+
+    #[test]
+    fn long_content_is_quoted_in_part() {
+        let long = format!("invalid type: string \"{}\", expected f64 at line 1 column 9", "z".repeat(900));
+        let short = super::in_short(&long);
+        assert!(short.chars().count() < 230, "{short}");
+        assert!(
+            short.starts_with("invalid type: string \"zz")
+                && short.ends_with("expected f64 at line 1 column 9")
+        );
+        assert_eq!(super::in_short("trailing comma"), "trailing comma");
     }
 
     #[test]

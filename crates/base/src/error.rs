@@ -42,6 +42,14 @@ pub enum Error {
         /// The decoder's reason.
         reason: String,
     },
+    /// A picture of a format, or a kind of it, that is not read.
+    #[error("'{name}' is {format}, which vtex does not read")]
+    OtherFormat {
+        /// File name, or `-` for standard input.
+        name: String,
+        /// The format with its article, such as `a HEIC picture`.
+        format: String,
+    },
     /// Something is larger than the limits allow.
     #[error("'{name}' is too large: {found}, the limit is {limit}")]
     TooLarge {
@@ -275,6 +283,14 @@ pub enum EditFault {
         /// The names of the scene's layers.
         known: Vec<String>,
     },
+    /// No library of the scene has a category of the name that a condition gives.
+    #[error("the scene has no category '{name}'")]
+    NoCategory {
+        /// The name.
+        name: String,
+        /// The names of the categories.
+        known: Vec<String>,
+    },
     /// More lines and curves would be drawn on elements than a scene may hold.
     #[error(
         "{lines} lines and curves on each of {elements} elements are too many: {most} are the most in all"
@@ -324,6 +340,10 @@ impl Error {
                 }
                 ErrorKind::StorageFull if path == Path::new("-") => "standard output is full".into(),
                 ErrorKind::StorageFull => "the disk is full: make room there, or choose another place".into(),
+                ErrorKind::FileTooLarge => {
+                    "the system limits the size of files (ulimit -f): raise the limit, or write a smaller file"
+                        .into()
+                }
                 ErrorKind::AlreadyExists | ErrorKind::NotADirectory => {
                     "a folder is needed where there is a file".into()
                 }
@@ -333,8 +353,9 @@ impl Error {
                 "an SVG begins with '<svg' or '<?xml'; is the file complete?".into()
             }
             Self::Decode { .. } => {
-                "PNG, JPEG, TIFF, WebP, BMP, GIF and PNM are read; is the file complete?".into()
+                "SVG, PNG, JPEG, TIFF, WebP, BMP, GIF and PNM are read; is the file complete?".into()
             }
+            Self::OtherFormat { .. } => "export it as JPEG or PNG".into(),
             Self::TooLarge { what, .. } => match what {
                 Large::File => "no file of vtex is as large: is it the right one?",
                 Large::Picture => "scale it down first, or crop a part of it",

@@ -5,8 +5,13 @@
 //! panic of the libraries that parse and draw becomes an error.
 
 mod bounds;
+mod cost;
+mod unfolding;
 
-pub use bounds::{MOST_ELEMENTS, ids, referred, uses, weights};
+pub use bounds::{ids, referred, uses, weights};
+pub use unfolding::MOST_ELEMENTS;
+
+use cost::DrawingCost;
 
 use resvg::usvg::{self, roxmltree};
 use tiny_skia::{Pixmap, Transform};
@@ -23,10 +28,13 @@ const HEAD: usize = 4096;
 /// Largest coordinate of a shape, in pixels of the picture: curves beyond some 10⁹ cannot be drawn.
 const FURTHEST: f32 = 1e8;
 
-/// Largest number of dashes of all strokes, which take some four seconds to draw.
-const MOST_DASHES: f64 = 1e6;
-/// Largest number of pairs of lines of one path that may cross, which take some ten seconds to draw.
-const MOST_CROSSINGS: f64 = 1e9;
+/// Most time for drawing, in nanoseconds: for any file, and more for each of its megabytes, since a large file takes long.
+const MOST_TIME: [f64; 2] = [1e10, 1e10];
+/// Most memory for layers, patterns and the like, in bytes; where a canvas is large, so many times its own.
+const MOST_MEMORY: f64 = 1e9;
+const MOST_CANVASES: f64 = 4.0;
+/// Largest number of attributes of an element: the parser compares them all with each other.
+const MOST_ATTRIBUTES: usize = 1000;
 
 /// Why an SVG is not read or drawn.
 #[derive(Debug)]
@@ -41,6 +49,9 @@ pub struct SvgFault {
 pub const COMPLETE: &str = "it must be an SVG or SVGZ; is the file complete?";
 /// Advice for parts that are beyond the limits.
 const SHAPES: &str = "turn it into plain shapes in the program that made it";
+
+/// Advice for what is too much to draw.
+const SMALLER: &str = "turn it into plain shapes in the program that made it, or ask for a smaller picture";
 
 impl From<String> for SvgFault {
     fn from(reason: String) -> Self {
@@ -62,9 +73,31 @@ pub(crate) fn is_svg(bytes: &[u8]) -> bool {
 ///
 /// # Errors
 /// As [`text`], [`document`] and [`tree`].
-pub(crate) fn parse(bytes: &[u8], name: &str, fail: impl Fn(SvgFault) -> Error) -> Result<usvg::Tree> {
+pub(crate) fn parse(bytes: &[u8], name: &str, fail: impl Fn(SvgFault) -> Error) -> Result<SvgTree> {
     let text = text(bytes, name, &fail)?;
     document(&text).and_then(|document| tree(&document)).map_err(fail)
+}
+
+/// The shapes of a document.
+pub struct SvgTree {
+    tree: usvg::Tree,
+    /// Length of the text of the document, in bytes.
+    text: usize,
+}
+
+impl SvgTree {
+    /// Length of the text of the document, in megabytes.
+    pub fn megabytes(&self) -> f64 {
+        self.text as f64 / 1e6
+    }
+}
+
+impl std::ops::Deref for SvgTree {
+    type Target = usvg::Tree;
+
+    fn deref(&self) -> &usvg::Tree {
+        &self.tree
+    }
 }
 
 /// The text of an SVG or SVGZ.
@@ -86,10 +119,14 @@ pub fn text(bytes: &[u8], name: &str, fail: impl Fn(SvgFault) -> Error) -> Resul
 
 /// The XML of a text.
 ///
-/// # Errors A text that is not well formed.
+/// # Errors A text that is not well formed, or an element with more than 1000 attributes.
 pub fn document(text: &str) -> Result<roxmltree::Document<'_>, SvgFault> {
     if text.trim().is_empty() {
         return Err(String::from("it is empty").into());
+    }
+    if bounds::most_attributes(text) > MOST_ATTRIBUTES {
+        let reason = format!("an element has more than {MOST_ATTRIBUTES} attributes");
+        return Err(SvgFault { reason, advice: "delete those that nothing needs" });
     }
     let options = roxmltree::ParsingOptions { allow_dtd: true, ..Default::default() };
     roxmltree::Document::parse_with_options(text, options)
@@ -100,7 +137,7 @@ pub fn document(text: &str) -> Result<roxmltree::Document<'_>, SvgFault> {
 ///
 /// # Errors
 /// Why it is not an SVG, or not one that can be parsed in reasonable time.
-pub fn tree(document: &roxmltree::Document<'_>) -> Result<usvg::Tree, SvgFault> {
+pub fn tree(document: &roxmltree::Document<'_>) -> Result<SvgTree, SvgFault> {
     tree_of(document, || None)
 }
 
@@ -108,7 +145,7 @@ pub fn tree(document: &roxmltree::Document<'_>) -> Result<usvg::Tree, SvgFault> 
 ///
 /// # Errors
 /// As [`tree`].
-pub(crate) fn tree_with_images(document: &roxmltree::Document<'_>) -> Result<usvg::Tree, SvgFault> {
+pub(crate) fn tree_with_images(document: &roxmltree::Document<'_>) -> Result<SvgTree, SvgFault> {
     let empty = r#"<svg xmlns="http://www.w3.org/2000/svg" width="1" height="1"/>"#;
     tree_of(document, || {
         usvg::Tree::from_str(empty, &usvg::Options::default()).ok().map(usvg::ImageKind::SVG)
@@ -118,7 +155,7 @@ pub(crate) fn tree_with_images(document: &roxmltree::Document<'_>) -> Result<usv
 fn tree_of(
     document: &roxmltree::Document<'_>,
     image: impl Fn() -> Option<usvg::ImageKind> + Copy + Send + Sync,
-) -> Result<usvg::Tree, SvgFault> {
+) -> Result<SvgTree, SvgFault> {
     if let Some(fault) = bounds::refused(document) {
         return Err(fault);
     }
@@ -130,7 +167,8 @@ fn tree_of(
         ..usvg::Options::default()
     };
     let parsed = caught(|| usvg::Tree::from_xmltree(document, &options));
-    parsed.map_err(|said| panicked("read", &said))?.map_err(|e| fault(document, e))
+    let tree = parsed.map_err(|said| panicked("read", &said))?.map_err(|e| fault(document, e))?;
+    Ok(SvgTree { tree, text: document.input_text().len() })
 }
 
 /// The fault for an error of the parser.
@@ -148,10 +186,6 @@ fn fault(document: &roxmltree::Document<'_>, error: usvg::Error) -> SvgFault {
             };
             (reason, r#"the root of an SVG is <svg xmlns="http://www.w3.org/2000/svg">"#)
         }
-        ParsingFailed(NodesLimitReached) if depth(document) > bounds::DEEPEST => {
-            let reason = format!("it nests more than {} elements in one another", bounds::DEEPEST);
-            (reason, "ungroup it in the program that made it")
-        }
         ElementsLimitReached | ParsingFailed(NodesLimitReached) => {
             let most = MOST_ELEMENTS;
             let reason =
@@ -167,16 +201,6 @@ fn fault(document: &roxmltree::Document<'_>, error: usvg::Error) -> SvgFault {
     SvgFault { reason, advice }
 }
 
-/// Largest nesting depth of elements.
-fn depth(document: &roxmltree::Document<'_>) -> usize {
-    let mut depths = Vec::new();
-    for node in document.descendants() {
-        let above = node.parent().map_or(0, |parent| depths[parent.id().get_usize()]);
-        depths.push(above + usize::from(node.is_element()));
-    }
-    depths.into_iter().max().unwrap_or(0)
-}
-
 /// From a group to the page, given that from what is around it. The tree's own product, `abs_transform`, is wrong below
 /// `use` elements of symbols: it has their transforms twice.
 pub(crate) fn within(around: Affine, group: &usvg::Group) -> Affine {
@@ -188,25 +212,38 @@ pub(crate) fn affine(t: Transform) -> Affine {
     Affine::new([t.sx, t.ky, t.kx, t.sy, t.tx, t.ty].map(f64::from))
 }
 
-/// Draws a tree over a picture.
+/// Draws a tree over a picture. `enlarged` is by how many times drawing may take longer than for a page as large as it is,
+/// because more pixels were asked for; at least 1.
 ///
 /// # Errors
-/// Why it cannot be drawn: a shape reaches 10⁸ pixels away, strokes have more than a million dashes, a path
-/// crosses itself too often, or the library that draws gave up.
-pub fn draw(tree: &usvg::Tree, transform: Transform, picture: &mut Pixmap) -> Result<(), SvgFault> {
+/// Why it cannot be drawn: a shape reaches 10⁸ pixels away; drawing would take more than some ten seconds, in a file of
+/// a megabyte twice that, or layers and patterns more than a gigabyte; or the library that draws gave up.
+pub fn draw(
+    tree: &SvgTree,
+    transform: Transform,
+    picture: &mut Pixmap,
+    enlarged: f64,
+) -> Result<(), SvgFault> {
     let scale = transform.sx.abs().max(transform.sy.abs());
     if furthest(tree) * scale > FURTHEST {
         let reason = "it has a shape that reaches further than can be drawn".into();
         return Err(SvgFault { reason, advice: "delete what lies far outside the page" });
     }
-    let DrawingCost { dashes, crossings } = DrawingCost::of(tree);
-    if dashes > MOST_DASHES {
-        let reason = "its strokes have more than a million dashes".into();
-        return Err(SvgFault { reason, advice: "make the dashes longer, or the strokes solid" });
+    let [any, each] = MOST_TIME;
+    let canvas = [picture.width(), picture.height()];
+    let most = DrawingCost {
+        time: (any + each * tree.megabytes()) * enlarged.max(1.0),
+        memory: MOST_MEMORY.max(MOST_CANVASES * 4.0 * f64::from(canvas[0]) * f64::from(canvas[1])),
+    };
+    let cost = DrawingCost::of(tree.root(), transform, canvas, most);
+    if cost.memory > most.memory {
+        let reason = "its layers, patterns or masks would take more than a gigabyte of memory".into();
+        return Err(SvgFault { reason, advice: SMALLER });
     }
-    if crossings > MOST_CROSSINGS {
-        let reason = "a path of it crosses itself too often to be drawn".into();
-        return Err(SvgFault { reason, advice: "take it apart into several paths, or simplify it" });
+    if cost.time > most.time {
+        let reason =
+            "its filters, patterns, layers, dashes or crossings would take more than ten seconds".into();
+        return Err(SvgFault { reason, advice: SMALLER });
     }
     caught(|| resvg::render(tree, transform, &mut picture.as_mut())).map_err(|said| panicked("drawn", &said))
 }
@@ -224,75 +261,6 @@ fn roots(tree: &usvg::Tree) -> impl Iterator<Item = &usvg::Group> {
         .chain(tree.patterns().iter().map(|p| p.root()))
 }
 
-/// The cost of drawing, besides the number of shapes and pixels.
-#[derive(Default)]
-struct DrawingCost {
-    /// Upper bound of the number of dashes of all strokes.
-    dashes: f64,
-    /// Pairs of lines of one path that may cross, in all paths. The renderer sorts them for each row of the
-    /// picture, starting from the order of the row before.
-    crossings: f64,
-}
-
-impl DrawingCost {
-    fn of(tree: &usvg::Tree) -> Self {
-        let mut cost = Self::default();
-        let mut open: Vec<&usvg::Group> = roots(tree).collect();
-        while let Some(group) = open.pop() {
-            for node in group.children() {
-                match node {
-                    usvg::Node::Group(inner) => open.push(inner),
-                    usvg::Node::Path(path) => cost.add(path),
-                    usvg::Node::Image(_) | usvg::Node::Text(_) => {}
-                }
-            }
-        }
-        cost
-    }
-
-    fn add(&mut self, path: &usvg::Path) {
-        let t = path.abs_transform();
-        let [kx, ky] = [t.ky, t.sy].map(f64::from);
-        let length = length(path.data(), |[dx, dy]| libm::hypot(dx, dy));
-        let rise = self::length(path.data(), |[dx, dy]| (kx * dx + ky * dy).abs());
-        let mut sides = f64::from(u8::from(path.fill().is_some()));
-        if let Some(stroke) = path.stroke() {
-            sides = 2.0;
-            let pattern = stroke.dasharray().unwrap_or_default();
-            let period: f64 = pattern.iter().map(|d| f64::from(*d)).sum();
-            if period > 0.0 {
-                self.dashes += length / period * pattern.len() as f64;
-            }
-        }
-        // Mean number of lines that a row of the picture meets.
-        let lines = sides * rise / f64::from(path.abs_stroke_bounding_box().height()).max(1e-6);
-        self.crossings += lines * lines;
-    }
-}
-
-/// The sum of `size` over the lines of a path, with curves replaced by their control polygons.
-fn length(path: &usvg::tiny_skia_path::Path, size: impl Fn([f64; 2]) -> f64) -> f64 {
-    use usvg::tiny_skia_path::{PathSegment, Point};
-    let (mut sum, mut start) = (0.0, Point::zero());
-    let mut at = start;
-    for segment in path.segments() {
-        let mut go = |to: &[Point]| {
-            for &p in to {
-                sum += size([p.x - at.x, p.y - at.y].map(f64::from));
-                at = p;
-            }
-        };
-        match segment {
-            PathSegment::MoveTo(p) => (start, at) = (p, p),
-            PathSegment::LineTo(p) => go(&[p]),
-            PathSegment::QuadTo(a, p) => go(&[a, p]),
-            PathSegment::CubicTo(a, b, p) => go(&[a, b, p]),
-            PathSegment::Close => go(&[start]),
-        }
-    }
-    sum
-}
-
 /// Largest distance of any shape from the origin, in units of the SVG.
 fn furthest(tree: &usvg::Tree) -> f32 {
     let reach = |group: &usvg::Group| {
@@ -308,7 +276,7 @@ fn furthest(tree: &usvg::Tree) -> f32 {
 mod tests {
     use super::*;
 
-    fn read(inner: &str) -> Result<usvg::Tree, SvgFault> {
+    fn read(inner: &str) -> Result<SvgTree, SvgFault> {
         let text = format!(
             r#"<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" width="90" height="90">{inner}</svg>"#
         );
@@ -328,6 +296,19 @@ mod tests {
         }
         let rings = "M5 5h9v9zZ z".repeat(25_000);
         assert!(read(&format!(r#"<path d="{rings}"/><path d="M5 5h9v9{}"/>"#, "z".repeat(900))).is_ok());
+    }
+
+    #[test]
+    fn arcs_that_would_be_of_millions_of_curves_are_refused() {
+        for hostile in [
+            r#"<path d="M5 5a1e30 9 0 0 1 4 4"/>"#,
+            r#"<path d="M5 5A9 10000000000000.5 0 0 1 4 4"/>"#,
+            r#"<circle r="1E+25"/>"#,
+            r#"<rect width="9" height="9" rx="99999999999999999999"/>"#,
+        ] {
+            refused(hostile, "larger than can be drawn");
+        }
+        assert!(read(r#"<path d="M5 5a9 9 0 0 1 4 4h.12345678901234567"/><circle r="1e8"/>"#).is_ok());
     }
 
     #[test]
@@ -425,24 +406,192 @@ mod tests {
     fn what_cannot_be_drawn_is_an_error() {
         let drawn = |inner: &str| {
             let mut picture = Pixmap::new(90, 90).unwrap();
-            draw(&read(inner).unwrap(), Transform::identity(), &mut picture)
+            draw(&read(inner).unwrap(), Transform::identity(), &mut picture, 1.0)
         };
         assert!(drawn("<circle r='9'/>").is_ok());
         let far = r#"<clipPath id="c"><path d="M-1e9 -1e9h2e9v2e9h-2e9z"/></clipPath><g clip-path="url(#c)"><circle r="5"/></g>"#;
         assert!(drawn(far).unwrap_err().reason.contains("reaches further"));
-        let dashed = |length: f64| {
-            format!(r#"<circle r="40" fill="none" stroke="red" stroke-dasharray="{length}"/>"#).repeat(20)
+        let slow = |inner: &str| assert!(drawn(inner).unwrap_err().reason.contains("more than ten seconds"));
+        let dashed = |length: f64, more: &str| {
+            let circle =
+                format!(r#"<circle r="40" fill="none" stroke="red" stroke-dasharray="{length}" {more}/>"#);
+            circle.repeat(30)
         };
-        assert!(drawn(&dashed(0.1)).is_ok());
+        assert!(drawn(&dashed(0.1, "")).is_ok());
+        slow(&dashed(0.001, ""));
+        slow(&dashed(0.004, r#"stroke-linecap="round" stroke-width="9""#));
         let zigzag = |count: usize| -> String {
             let lines: String = (0..count).map(|k| format!("L{} {}", k * 37 % 90, k % 2 * 90)).collect();
             format!(r#"<path d="M0 0{lines}"/>"#)
         };
         assert!(drawn(&zigzag(2_000)).is_ok());
-        assert!(drawn(&zigzag(60_000)).unwrap_err().reason.contains("crosses itself"));
+        slow(&zigzag(60_000));
         // Many lines are no problem if no row meets many of them.
         let stairs: String = "h.001v.0015".repeat(60_000);
         assert!(drawn(&format!(r#"<path d="M0 0{stairs}"/>"#)).is_ok());
-        assert!(drawn(&dashed(0.001)).unwrap_err().reason.contains("a million dashes"));
+        let octaves = r#"<filter id="f"><feTurbulence numOctaves="99999" baseFrequency=".1"/></filter><circle r="40" filter="url(#f)"/>"#;
+        slow(octaves);
+    }
+
+    /// What drawing content on a page of a size says.
+    fn drawn_on(size: u32, inner: &str) -> Result<(), SvgFault> {
+        let text = format!(
+            r#"<svg xmlns="http://www.w3.org/2000/svg" width="{size}" height="{size}">{inner}</svg>"#
+        );
+        let mut picture = Pixmap::new(size, size).unwrap();
+        draw(&document(&text).and_then(|d| tree(&d))?, Transform::identity(), &mut picture, 1.0)
+    }
+
+    #[test]
+    fn what_would_take_gigabytes_is_refused() {
+        let pattern = |size: &str| {
+            format!(
+                r#"<pattern id="p" {size} patternUnits="userSpaceOnUse"><rect width="5" height="5"/></pattern><rect width="99" height="99" fill="url(#p)"/>"#
+            )
+        };
+        let layers = |count: usize, style: &str| {
+            format!(
+                "{}<rect width='3000' height='3000'/>{}",
+                format!("<g {style}>").repeat(count),
+                "</g>".repeat(count)
+            )
+        };
+        let clip = r#"<clipPath id="c"><rect width="3000" height="3000"/></clipPath>"#;
+        let mask = |k: usize| {
+            let next = k + 1;
+            format!(
+                r#"<mask id="m{k}" mask="url(#m{next})"><rect width="3000" height="3000" fill="white"/></mask>"#
+            )
+        };
+        let masks: String = (0..25).map(mask).collect();
+        for (size, hostile) in [
+            (90, pattern(r#"width="1e6" height="1e6""#)),
+            (90, pattern(r#"width="10" height="10" patternTransform="scale(1e4)""#)),
+            (3000, layers(30, r#"opacity=".9""#)),
+            (3000, format!("{masks}{}", layers(1, r#"mask="url(#m0)""#))),
+            (3000, format!("{clip}{}", layers(27, r#"clip-path="url(#c)""#))),
+        ] {
+            let fault = drawn_on(size, &hostile).unwrap_err();
+            assert!(fault.reason.contains("a gigabyte"), "{}", fault.reason);
+        }
+        assert!(drawn_on(90, &pattern(r#"width="20" height="9""#)).is_ok());
+        assert!(drawn_on(300, &format!("{masks}{}", layers(1, r##"mask="url(#m0)" opacity=".9""##))).is_ok());
+    }
+
+    #[test]
+    fn references_that_lead_back_are_refused() {
+        let shape = |more: &str| format!(r#"<rect width="9" height="9" {more}/>"#);
+        let user = r#"width="9" height="9" patternUnits="userSpaceOnUse""#;
+        let picture = r##"<filter id="f"><feImage href="#a"/></filter>"##;
+        for hostile in [
+            format!(r#"{picture}<g id="a">{}</g>"#, shape(r#"filter="url(#f)""#)),
+            format!(
+                r#"{picture}<pattern id="p" {user}>{}</pattern>{}"#,
+                shape(r#"filter="url(#f)""#),
+                shape(r#"id="a" fill="url(#p)""#)
+            ),
+            format!(
+                r#"<pattern id="p" {user}>{0}</pattern><mask id="m">{1}</mask>{1}"#,
+                shape(r#"mask="url(#m)""#),
+                shape(r#"fill="url(#p)""#)
+            ),
+            format!(r##"<g id="a">{}<use href="#a"/></g>"##, shape("")),
+            // By what is inherited, and by a style sheet.
+            format!(r#"<g fill="url(#p)"><pattern id="p" {user}>{}</pattern></g>{}"#, shape(""), shape(r#"fill="url(#p)""#)),
+            format!(r#"<style>.a{{mask:url(#m)}}</style><mask id="m">{0}</mask>{0}"#, shape(r#"class="a""#)),
+            r#"<marker id="k"><path d="M0 0h9" style="marker-end: url(#k)"/></marker><path d="M0 0h9" marker-start="url(#k)"/>"#.into(),
+        ] {
+            refused(&hostile, "lead back to themselves");
+        }
+        // What refers to itself without being drawn twice.
+        assert!(read(r##"<a id="a" href="#a"><rect width="9" height="9"/></a>"##).is_ok());
+    }
+
+    #[test]
+    fn documents_that_unfold_without_end_are_refused() {
+        let eight = |style: &str| format!(r#"<rect width="9" height="9" {style}/>"#).repeat(8);
+        let chain =
+            |open: &dyn Fn(usize) -> String, close: &str, style: &dyn Fn(usize) -> String| -> String {
+                let level = |k: usize| {
+                    format!("{}{}{close}", open(k), eight(&if k < 9 { style(k + 1) } else { String::new() }))
+                };
+                (0..10).map(level).collect::<String>() + &eight(&style(0))
+            };
+        let pattern =
+            |k: usize| format!(r#"<pattern id="d{k}" width="9" height="9" patternUnits="userSpaceOnUse">"#);
+        let fill = |k: usize| format!(r#"fill="url(#d{k})""#);
+        let inherited =
+            |k: usize| format!("{}<g {}>", pattern(k), if k < 9 { fill(k + 1) } else { String::new() });
+        let of = |name: &'static str| move |k: usize| format!(r#"{name}="url(#d{k})""#);
+        let marker = |k: usize| {
+            let inner = format!(r#"<path d="M0 0L5 5L3 3L6 6L2 2" style="marker-mid:url(#d{})"/>"#, k + 1);
+            format!(r#"<marker id="d{k}">{inner}</marker>"#)
+        };
+        let images =
+            |k: usize| format!(r##"<filter id="d{k}"><feImage href="#e{k}"/></filter><g id="e{k}">"##);
+        for hostile in [
+            chain(&pattern, "</pattern>", &fill),
+            chain(&inherited, "</g></pattern>", &|k| if k == 0 { fill(0) } else { String::new() }),
+            chain(&|k| format!(r#"<mask id="d{k}">"#), "</mask>", &of("mask")),
+            chain(&|k| format!(r#"<clipPath id="d{k}">"#), "</clipPath>", &of("clip-path")),
+            chain(&images, "</g>", &of("filter")),
+            (0..20).map(marker).collect::<String>() + r#"<path marker-mid="url(#d0)" d="M0 0L9 9L1 1L5 5"/>"#,
+        ] {
+            refused(&hostile, "unfold to more than");
+        }
+        let attributes: String = (0..60_000).map(|k| format!("a{k}='1' ")).collect();
+        refused(&format!("<rect {attributes}/>"), "more than 1000 attributes");
+        // A pattern of many parts in many shapes is no problem.
+        let busy = format!(r#"{}{}</pattern>{}"#, pattern(0), eight(""), eight(&fill(0)).repeat(500));
+        assert!(read(&busy).is_ok());
+    }
+
+    #[test]
+    fn what_is_nested_as_deeply_as_permitted_needs_no_more_stack_than_threads_have() {
+        let chain = |count: usize,
+                     open: &dyn Fn(usize) -> String,
+                     close: &str,
+                     style: &dyn Fn(usize) -> String|
+         -> String {
+            let shape = |k: usize| {
+                format!(
+                    r#"<rect width="9" height="9" {}/>"#,
+                    if k < count { style(k) } else { String::new() }
+                )
+            };
+            (0..count).map(|k| format!("{}{}{close}", open(k), shape(k + 1))).collect::<String>() + &shape(0)
+        };
+        let url = |name: &'static str| move |k: usize| format!(r#"{name}="url(#d{k})""#);
+        let deepest = |count: usize| {
+            let user = r#"width="9" height="9" patternUnits="userSpaceOnUse""#;
+            [
+                format!(
+                    "{}<rect width='9' height='9'/>{}",
+                    "<g opacity='.9'>".repeat(count * 8),
+                    "</g>".repeat(count * 8)
+                ),
+                chain(count, &|k| format!(r#"<pattern id="d{k}" {user}>"#), "</pattern>", &url("fill")),
+                chain(count, &|k| format!(r#"<mask id="d{k}">"#), "</mask>", &url("mask")),
+                chain(count, &|k| format!(r#"<clipPath id="d{k}">"#), "</clipPath>", &url("clip-path")),
+                chain(
+                    count / 2,
+                    &|k| format!(r##"<filter id="d{k}"><feImage href="#e{k}"/></filter><g id="e{k}">"##),
+                    "</g>",
+                    &url("filter"),
+                ),
+            ]
+        };
+        let run = |inner: String| {
+            let thread = std::thread::Builder::new().stack_size(2 << 20);
+            thread.spawn(move || drawn_on(20, &inner).map(|_| ())).unwrap().join().unwrap()
+        };
+        for inner in deepest(110) {
+            if let Err(fault) = run(inner) {
+                assert!(fault.reason.contains("more than"), "{}", fault.reason);
+            }
+        }
+        for inner in deepest(2_000) {
+            assert!(run(inner).is_err());
+        }
     }
 }

@@ -360,7 +360,7 @@ mod tests {
             packed.finish().unwrap()
         };
         let mut picture = Vec::new();
-        png::encode(&png::render(&scene, 1.0).unwrap(), None, &mut picture).unwrap();
+        png::encode(&png::render(&scene, 1.0).unwrap(), None, None, &mut picture).unwrap();
         let mut page = Vec::new();
         pdf::write(&scene, &mut page).unwrap();
         let web = format!("{PAGE_BEGINNING}0.1.0 -->\n<html/>").into_bytes();

@@ -34,13 +34,11 @@ pub use coverage::{coverage, inside};
 use vtex_base::Parameter;
 use vtex_base::document::in_order;
 use vtex_base::error::{Error, Large, Result};
-use vtex_scene::scene::Scene;
+pub use vtex_scene::scene::CSS_DPI;
+use vtex_scene::scene::{Scene, SynthParams};
 
-/// Pixels per inch in CSS, and in files that do not state their resolution.
-pub const CSS_DPI: u32 = 96;
-
-/// Pixels per inch of a file.
-pub const DPI: Parameter<u32> = Parameter::new("dpi", [1, 9600], "").or(CSS_DPI);
+/// Pixels of the canvas per inch of its page.
+pub const DPI: Parameter<u32> = Parameter::new("dpi", [1, 9600], "");
 
 /// Largest picture drawn, in pixels: 4 GiB of memory.
 const LARGEST_PICTURE: u64 = 1 << 30;
@@ -48,22 +46,22 @@ const LARGEST_PICTURE: u64 = 1 << 30;
 /// Size of a picture of a canvas at a scale, in pixels: rounded, at least 1 × 1.
 ///
 /// # Errors
-/// A scale that is not positive and finite; a picture larger than [`LARGEST_PICTURE`], where `name` is the
-/// drawn file.
+/// A scale that is not positive and finite; a picture larger than [`LARGEST_PICTURE`] or with a side beyond
+/// [`SynthParams::SIDE`], where `name` is the drawn file.
 fn picture_size(width: f64, height: f64, scale: f64, name: &str) -> Result<(u32, u32)> {
     vtex_base::error::check(scale.is_finite() && scale > 0.0, "scale", scale, "a number above 0")?;
     let side = |v: f64| libm::round(v * scale).max(1.0);
     let (w, h) = (side(width), side(height));
-    // The comparison also refuses NaN.
-    if w * h <= LARGEST_PICTURE as f64 && w.max(h) <= f64::from(i32::MAX / 4) {
+    let side = SynthParams::SIDE.range[1];
+    let limit = if w.max(h) > f64::from(side) {
+        format!("{side} pixels on each side")
+    } else if w * h > LARGEST_PICTURE as f64 {
+        format!("{LARGEST_PICTURE} pixels")
+    } else {
         return Ok((w as u32, h as u32));
-    }
-    Err(Error::TooLarge {
-        what: Large::Picture,
-        name: name.into(),
-        found: format!("a picture of {w:.0} x {h:.0} pixels"),
-        limit: format!("{LARGEST_PICTURE} pixels"),
-    })
+    };
+    let found = format!("a picture of {w:.0} x {h:.0} pixels");
+    Err(Error::TooLarge { what: Large::Picture, name: name.into(), found, limit })
 }
 
 /// The title of a file: which exemplars the texture comes from.

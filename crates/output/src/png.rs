@@ -10,6 +10,7 @@ use super::shadow::{self, Shadows};
 use image::RgbImage;
 use std::collections::BTreeMap;
 use std::io::{self, Write};
+use std::sync::atomic::{AtomicU64, Ordering};
 use tiny_skia::{
     Color, FillRule, GradientStop, LineJoin, LinearGradient, Mask, Paint, PathBuilder, Pixmap, PixmapMut,
     PixmapPaint, RadialGradient, Shader, SpreadMode, Transform,
@@ -17,9 +18,10 @@ use tiny_skia::{
 use vtex_base::error::{Error, Large, Result};
 use vtex_base::geometry::{Affine, Outline, PathEl, Rect, Vec2};
 use vtex_base::parallel;
+use vtex_base::progress::{Progress, advance};
 use vtex_base::raster::colour::Colour;
 use vtex_scene::element::{Ellipse, GradientKind, SoftRim, Stop};
-use vtex_scene::scene::{Gradient, Instance, Scene, Shape};
+use vtex_scene::scene::{Gradient, Instance, Length, LengthUnit, Scene, Shape};
 
 /// Height of the bands drawn at a time, in pixels.
 const BAND: usize = 256;
@@ -30,24 +32,44 @@ const BAND: usize = 256;
 /// A scale that is not above 0; a scene that breaks its invariants; [`Error::TooLarge`] beyond 2³⁰
 /// pixels.
 pub fn render(scene: &Scene, scale: f64) -> Result<Pixmap> {
+    let canvas = [scene.width, scene.height].map(f64::from);
+    drawn(scene, picture_size(canvas[0], canvas[1], scale, "scene")?, &())
+}
+
+/// Draws a scene at the size of [`Scene::picture_size`], `scale` times as large: as [`render`], but a page in pixels
+/// counts instead of the canvas. Reports the bands drawn, as stage `drawing`, and can be stopped after each.
+///
+/// # Errors
+/// Those of [`render`]; [`Error::Interrupted`].
+pub fn render_page(scene: &Scene, scale: f64, progress: &dyn Progress) -> Result<Pixmap> {
+    let [width, height] = scene.picture_size(1.0).map(f64::from);
+    drawn(scene, picture_size(width, height, scale, "scene")?, progress)
+}
+
+/// Draws a scene as a picture of a width and a height.
+fn drawn(scene: &Scene, (width, height): (u32, u32), progress: &dyn Progress) -> Result<Pixmap> {
     scene.check()?;
-    let (canvas_width, canvas_height) = (f64::from(scene.width), f64::from(scene.height));
-    let (width, height) = picture_size(canvas_width, canvas_height, scale, "scene")?;
     let mut pixmap = Pixmap::new(width, height).ok_or_else(|| Error::TooLarge {
         what: Large::Picture,
         name: "scene".into(),
         found: format!("a picture of {width} x {height} pixels"),
         limit: "what one picture in memory can hold".into(),
     })?;
-    let scale = [f64::from(width) / canvas_width, f64::from(height) / canvas_height];
+    let scale = [f64::from(width) / f64::from(scene.width), f64::from(height) / f64::from(scene.height)];
     let picture = PreparedScene::new(scene, scale);
     let row = width as usize * 4;
+    let (bands, done) = (u64::from(height).div_ceil(BAND as u64), AtomicU64::new(0));
     parallel::for_chunks(pixmap.data_mut(), row * BAND, |i, data| {
+        if !progress.advance("drawing", done.load(Ordering::Relaxed), bands) {
+            return;
+        }
+        done.fetch_add(1, Ordering::Relaxed);
         let rows = data.len() / row;
         if let Some(mut band) = PixmapMut::from_bytes(data, width, rows as u32) {
             picture.draw(&mut band, i * BAND);
         }
     });
+    advance(progress, "drawing", done.into_inner(), bands)?;
     Ok(pixmap)
 }
 
@@ -409,15 +431,28 @@ pub(super) fn path_of(outline: &Outline) -> Option<tiny_skia::Path> {
 }
 
 /// Writes a picture as PNG, 8-bit sRGB, with alpha only if the picture is not opaque. The text chunks name
-/// the program and, where there is one, the seed.
+/// the program and, where there is one, the seed. With a page that is not in pixels, the file has the density at which
+/// the picture fills it, in whole pixels per metre.
 ///
 /// # Errors
 /// A failing writer.
-pub fn encode(pixmap: &Pixmap, seed: Option<u64>, out: impl Write) -> io::Result<()> {
+pub fn encode(
+    pixmap: &Pixmap,
+    seed: Option<u64>,
+    page: Option<[Length; 2]>,
+    out: impl Write,
+) -> io::Result<()> {
     let opaque = pixmap.pixels().iter().all(|p| p.alpha() == 255);
     let channels = if opaque { 3 } else { 4 };
     let data = straight(pixmap, channels);
-    encode_data(pixmap.width(), pixmap.height(), opaque, &data, seed, out).map_err(failed)
+    let (width, height) = (pixmap.width(), pixmap.height());
+    let page = page.filter(|page| page.iter().any(|side| side.unit() != LengthUnit::Pixel));
+    let density = page.map(|[x, y]| {
+        let per_metre = |pixels: u32, side: Length| libm::round(f64::from(pixels) / side.inches() / 0.0254);
+        let [xppu, yppu] = [per_metre(width, x), per_metre(height, y)].map(|v| (v as u32).max(1));
+        png::PixelDimensions { xppu, yppu, unit: png::Unit::Meter }
+    });
+    encode_data((width, height), opaque, &data, (seed, density), out).map_err(failed)
 }
 
 /// The components of all pixels, 8-bit sRGB, not multiplied by alpha; `channels` is 3, or 4 to include alpha.
@@ -435,7 +470,7 @@ pub fn straight(pixmap: &Pixmap, channels: usize) -> Vec<u8> {
 /// # Errors
 /// As [`encode`].
 pub fn encode_rgb(image: &RgbImage, out: impl Write) -> io::Result<()> {
-    encode_data(image.width(), image.height(), true, image.as_raw(), None, out).map_err(failed)
+    encode_data(image.dimensions(), true, image.as_raw(), (None, None), out).map_err(failed)
 }
 
 pub(super) fn failed(e: png::EncodingError) -> io::Error {
@@ -446,17 +481,17 @@ pub(super) fn failed(e: png::EncodingError) -> io::Error {
 }
 
 fn encode_data(
-    width: u32,
-    height: u32,
+    (width, height): (u32, u32),
     opaque: bool,
     data: &[u8],
-    seed: Option<u64>,
+    (seed, density): (Option<u64>, Option<png::PixelDimensions>),
     out: impl Write,
 ) -> Result<(), png::EncodingError> {
     let mut encoder = png::Encoder::new(out, width, height);
     encoder.set_color(if opaque { png::ColorType::Rgb } else { png::ColorType::Rgba });
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+    encoder.set_pixel_dims(density);
     encoder.add_text_chunk("Software".into(), vtex_base::PROGRAM.into())?;
     if let Some(seed) = seed {
         encoder.add_text_chunk("Seed".into(), seed.to_string())?;
@@ -557,7 +592,7 @@ mod tests {
     fn png_comes_back_and_names_program_and_seed() {
         let picture = render(&testing::scene(90, 60, 6), 1.0).unwrap();
         let mut bytes = Vec::new();
-        encode(&picture, Some(77), &mut bytes).unwrap();
+        encode(&picture, Some(77), None, &mut bytes).unwrap();
         let decoder = png::Decoder::new(std::io::Cursor::new(&bytes));
         let mut reader = decoder.read_info().unwrap();
         let mut data = vec![0; reader.output_buffer_size().unwrap()];

@@ -238,7 +238,7 @@ mod tests {
         let (mut drawn, mut sheet, mut picture) = (Vec::new(), Vec::new(), Vec::new());
         svg::write(&scene, &svg::SvgOptions::default(), &mut drawn).unwrap();
         pdf::write(&scene, &mut sheet).unwrap();
-        png::encode(&png::render(&scene, 1.0).unwrap(), None, &mut picture).unwrap();
+        png::encode(&png::render(&scene, 1.0).unwrap(), None, None, &mut picture).unwrap();
         let page = format!("{PAGE_BEGINNING}0.1.0 -->\n<html></html>\n").into_bytes();
         vec![drawn, sheet, picture, page, scene.to_json(), b"GIF89a\x01\0\x01\0\0\0\0\x3b".to_vec()]
     }

@@ -26,6 +26,8 @@ export class View {
   /** What draws on the texture: "density", "shape" or nothing. */
   pen = null;
   radius = 40;
+  /** What takes the colour that is pressed next, if anything does. */
+  pipette = null;
   /** The map of densities, over the whole canvas. */
   map = null;
   mode = "texture";
@@ -71,11 +73,12 @@ export class View {
 
   fit() {
     const [width, height] = this.content();
-    const below = innerWidth > WIDE ? 0 : BELOW;
-    const room = [this.canvas.clientWidth - 2 * MARGIN, this.canvas.clientHeight - 2 * MARGIN - ABOVE - below];
+    // On narrow pages the views stand above the canvas.
+    const [above, below] = innerWidth > WIDE ? [ABOVE, 0] : [0, BELOW];
+    const room = [this.canvas.clientWidth - 2 * MARGIN, this.canvas.clientHeight - 2 * MARGIN - above - below];
     this.zoom = clamp(Math.min(room[0] / width, room[1] / height, 6), LEAST, MOST);
     this.x = (this.canvas.clientWidth - width * this.zoom) / 2;
-    this.y = (this.canvas.clientHeight + ABOVE - below - height * this.zoom) / 2;
+    this.y = (this.canvas.clientHeight + above - below - height * this.zoom) / 2;
     this.fitted = true;
     this.moved();
   }
@@ -269,6 +272,7 @@ export class View {
   }
 
   pointerdown(event) {
+    if (this.pipette) { this.takeColour(event); return; }
     this.canvas.focus({ preventScroll: true });
     this.canvas.setPointerCapture(event.pointerId);
     this.pointers.set(event.pointerId, [event.clientX, event.clientY]);
@@ -282,8 +286,20 @@ export class View {
     this.draw();
   }
 
+  /** Gives the colour at a place of the canvas to what waits for it; a place without a picture has none. */
+  takeColour(event) {
+    const { pipette, canvas, context } = this;
+    this.pipette = null;
+    canvas.style.cursor = "grab";
+    const box = canvas.getBoundingClientRect();
+    const [x, y] = [(event.clientX - box.left) * canvas.width / box.width, (event.clientY - box.top) * canvas.height / box.height];
+    const [r, g, b, a] = context.getImageData(Math.floor(x), Math.floor(y), 1, 1).data;
+    pipette(a === 255 ? `#${[r, g, b].map(value => value.toString(16).padStart(2, "0")).join("")}` : null);
+  }
+
   pointermove(event) {
     const place = this.place(event);
+    if (this.pipette) { this.canvas.style.cursor = "crosshair"; return; }
     const before = this.pointers.get(event.pointerId);
     if (!before) {
       this.cursor = place;

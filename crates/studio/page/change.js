@@ -5,7 +5,7 @@ import { explanation, fill, make, throttled } from "./dom.js";
 import { control } from "./knobs.js";
 
 const PALETTE_SIDE = 96;
-const RECOLOUR = /^recolor --from (#[0-9a-f]{6}) --to (#[0-9a-f]{6}) --reach 2 --where category=(\d+)$/;
+const RECOLOUR = /^recolor --from (#[0-9a-f]{6}) --to (#[0-9a-f]{6}) --reach 2(?: --keep details)? --where category=(\d+)$/;
 
 /** The text of an operation. Words with blanks are quoted. */
 function operationText(operation, values, layer, where) {
@@ -46,8 +46,13 @@ async function coloursOf(file, count) {
 }
 
 export class Change {
-  constructor(panel, table) {
+  constructor(panel, table, view) {
     this.table = table;
+    this.view = view;
+    // Older programs recolour elements as wholes.
+    const recolor = table.operations.find(operation => operation.name === "recolor");
+    this.canKeep = Boolean(recolor?.knobs.some(knob => knob.name === "keep"));
+    this.keepsDetails = false;
     this.values = {};
     this.chosen = "shadow";
     this.colours = make("div");
@@ -79,7 +84,7 @@ export class Change {
     const at = this.recoloured(category.category);
     // Other operations may have changed the colour before.
     const from = at >= 0 ? RECOLOUR.exec(operations[at])[1] : category.now;
-    const text = `recolor --from ${from} --to ${colour} --reach 2 --where category=${category.category}`;
+    const text = `recolor --from ${from} --to ${colour} --reach 2${this.keepsDetails ? " --keep details" : ""} --where category=${category.category}`;
     if (colour === null) operations.splice(at, 1);
     else if (at >= 0) operations[at] = text;
     else operations.push(text);
@@ -97,7 +102,7 @@ export class Change {
       const picker = make("input", { type: "color", value: now, "aria-label": `Colour of ${category.name}`, "data-key": `colour-${category.category}` });
       picker.addEventListener("input", throttled(() => this.recolour(category, picker.value), 160));
       picker.addEventListener("change", () => this.recolour(category, picker.value));
-      return make("li", {}, picker, make("span", { className: "name", textContent: category.name }),
+      return make("li", {}, picker, this.pipette(`colour of ${category.name}`, colour => this.recolour(category, colour)), make("span", { className: "name", textContent: category.name }),
         make("span", { className: "count", textContent: category.elements, title: "Elements placed" }),
         this.leavingOut(category.name, excluded),
         at >= 0 ? make("button", { type: "button", className: "plain", textContent: "Reset", "aria-label": `Reset the colour of ${category.name}`, onclick: () => this.recolour(category, null) }) : null);
@@ -108,7 +113,26 @@ export class Change {
     fill(this.colours, make("h2", { textContent: "Categories" }),
       rows.length ? make("ul", { className: "list" }, ...rows)
         : make("p", { textContent: "Elements have no categories here. Operations change all of them." }),
+      rows.length && this.canKeep ? this.keeping() : null,
       rows.length ? this.palette(categories.length) : null);
+  }
+
+  /** The switch by which details keep their colours when a category is recoloured. */
+  keeping() {
+    const box = make("input", { type: "checkbox", checked: this.keepsDetails, "data-key": "keep-details" });
+    box.addEventListener("change", () => { this.keepsDetails = box.checked; });
+    return make("div", { className: "row" }, make("label", { className: "check" }, box, " Details keep their colours"));
+  }
+
+  /** A button after which the colour that is pressed in the picture is taken. */
+  pipette(what, onpick) {
+    const button = make("button", { type: "button", className: "pipette", "aria-label": `Take the ${what} from the picture`, title: "Press a place of the picture to take its colour", "aria-pressed": "false" });
+    button.addEventListener("click", () => {
+      const isOn = this.view.pipette === null;
+      button.setAttribute("aria-pressed", String(isOn));
+      this.view.pipette = isOn ? colour => { button.setAttribute("aria-pressed", "false"); if (colour) onpick(colour); } : null;
+    });
+    return button;
   }
 
   /** The switch that leaves a category out of the texture, or takes it in again. A scene is placed already. */
@@ -132,7 +156,7 @@ export class Change {
       input.value = "";
     });
     return make("div", { className: "row" }, input,
-      make("button", { type: "button", textContent: "Palette from a picture…", title: "Categories take its colours, from dark to light", "data-key": "palette", onclick: () => input.click() }),
+      make("button", { type: "button", textContent: "Palette from a picture…", title: "The texture takes its colours, from dark to light", "data-key": "palette", onclick: () => input.click() }),
       known ? make("span", { className: "name", textContent: known.name }) : null,
       known ? make("button", { type: "button", className: "plain", textContent: "Reset", "aria-label": "Reset the palette", "data-key": "palette-reset", onclick: () => tell("side", new Blob([]), { option: "palette" }) }) : null);
   }

@@ -2,12 +2,14 @@
 
 import { ask, tell } from "./server.js";
 import { explanation, fill, make, throttled } from "./dom.js";
+import { labelOf } from "./labels.js";
 
 /** Options that lie open; others are under a heading that opens. */
 const CLOSED = new Set(["Analysis", "File"]);
 const SLIDER = 1000;
 
-const words = name => name[0].toUpperCase() + name.slice(1).replaceAll("-", " ");
+const CAPITALS = new Set(["dpi", "css"]);
+const words = name => CAPITALS.has(name) ? name.toUpperCase() : name[0].toUpperCase() + name.slice(1).replaceAll("-", " ");
 
 /** A control for a knob. `onset` gets its value as text, or null for the default. */
 export function control(knob, value, onset, { id, live = true } = {}) {
@@ -65,26 +67,37 @@ export function row(knob, value, onset, { id, parts }) {
   return make("div", { className: set ? "knob set" : "knob" },
     make("div", { className: "head" }, make("label", { for: id, textContent: words(knob.name) }), inline ? parts[0] : null, reset),
     inline ? null : make("div", { className: "control" }, ...parts),
-    explanation(`${id}-words`, `${knob.words} [${knob.takes}]`));
+    explanation(`${id}-words`, labelOf(knob)));
 }
 
-/** The canvas in pixels or millimetres. */
+/** Units of the canvas, in millimetres. */
+const UNITS = { px: 25.4 / 96, mm: 1, cm: 10, m: 1000, in: 25.4, pt: 25.4 / 72 };
+
+/** The canvas in pixels or lengths. */
 function sizeControl(id, value, texture, onset) {
-  const match = /^([\d.]+)(mm|px)?(?:x([\d.]+)(mm|px)?)?$/.exec(value ?? "") ?? [];
+  const match = /^([\d.]+)\s*(px|mm|cm|m|in|pt)?(?:\s*x\s*([\d.]+)\s*(px|mm|cm|m|in|pt)?)?$/.exec(value ?? "") ?? [];
   const unit = match[2] ?? "px";
-  const width = match[1] ?? texture?.whole?.[0] ?? "", height = match[3] ?? match[1] ?? texture?.whole?.[1] ?? "";
-  const side = (value, label, own) => make("input", { type: "number", min: 1, step: "any", value, "aria-label": label, id: own, "aria-describedby": own ? `${id}-words` : undefined });
+  // A page that was not asked for does not say how many units of a drawing it has.
+  const own = texture?.page ? ["", ""] : texture?.whole ?? ["", ""];
+  const width = match[1] ?? own[0], height = match[3] ?? match[1] ?? own[1];
+  const side = (value, label, own) => make("input", { type: "number", min: 0, step: "any", value, placeholder: "auto", "aria-label": label, id: own, "aria-describedby": own ? `${id}-words` : undefined });
   const sides = [side(width, "Width of the canvas", id), side(height, "Height of the canvas")];
-  const units = make("select", { "aria-label": "Unit of the canvas" }, ...["px", "mm"].map(name => make("option", { value: name, textContent: name, selected: name === unit })));
+  const units = make("select", { "aria-label": "Unit of the canvas" }, ...Object.keys(UNITS).map(name => make("option", { value: name, textContent: name, selected: name === unit })));
   const send = () => {
-    const end = units.value === "mm" ? "mm" : "";
+    const end = units.value === "px" ? "" : units.value;
     const [w, h] = sides.map(input => input.value.trim());
-    if (w && h) onset(`${w}${end}x${h}${end}`);
+    if (w || h) onset(`${w || h}${end}x${h || w}${end}`);
   };
-  for (const input of sides) input.addEventListener("change", send);
+  for (const input of sides) {
+    input.addEventListener("change", send);
+    // What is typed takes the place of what was there.
+    input.addEventListener("focus", () => input.select());
+  }
+  let before = unit;
   units.addEventListener("change", () => {
-    const by = units.value === "mm" ? 25.4 / 96 : 96 / 25.4;
-    for (const input of sides) if (input.value) input.value = Math.max(1, Math.round(input.value * by));
+    const by = UNITS[before] / UNITS[before = units.value];
+    const inUnits = value => before === "px" ? Math.max(1, Math.round(value)) : Number(value.toPrecision(4));
+    for (const input of sides) if (input.value) input.value = inUnits(input.value * by);
     send();
   });
   return [make("div", { className: "pair" }, sides[0], make("span", { textContent: "×", "aria-hidden": "true" }), sides[1], units)];
@@ -98,6 +111,7 @@ export class Steer {
     this.panel = panel;
     this.table = table;
     this.pictures = new Map();
+    this.dpi = table.groups.flatMap(group => group.knobs).find(knob => knob.name === "dpi");
     this.rows = new Map();
     this.seed = make("div");
     this.groups = make("div");
@@ -170,8 +184,11 @@ export class Steer {
     this.rows.clear();
     const opened = new Set([...this.groups.querySelectorAll("details[open] > summary")].map(summary => summary.textContent));
     const groups = this.table.groups.filter(group => this.applies(group, work)).map(group => {
-      const rows = group.knobs.map(knob => this.row(knob, work));
-      if (group.title === "Canvas") rows.push(...this.files(work));
+      // The resolution stands beside the size, which it belongs to.
+      const isCanvas = group.title === "Canvas";
+      const knobs = isCanvas && this.dpi ? [group.knobs[0], this.dpi, ...group.knobs.slice(1)] : group.knobs;
+      const rows = knobs.filter(knob => isCanvas || knob !== this.dpi || work.kind === "scene").map(knob => this.row(knob, work));
+      if (isCanvas) rows.push(...this.files(work));
       if (CLOSED.has(group.title)) return make("details", { open: opened.has(group.title) }, make("summary", { textContent: group.title }), ...rows);
       return make("div", { className: "group" }, make("h2", { textContent: group.title }), ...rows);
     });

@@ -30,7 +30,7 @@ const view = new View(find("canvas"), {
 });
 const paint = new Paint(view, { onview: setView });
 const steer = new Steer(find("steer"), table, paint);
-const change = new Change(find("change"), table);
+const change = new Change(find("change"), table, view);
 const mend = new Mend(find("mend"), view, { onview: setView });
 
 /** Fetches the state, one fetch at a time. */
@@ -212,6 +212,7 @@ function showSave(work) {
       make("div", { className: "formats", role: "radiogroup", "aria-label": "Format" }, ...formats),
       make("div", { className: "knob", id: "scale-row" }, make("div", { className: "head" }, make("label", { for: "scale", textContent: "Pixels for each pixel of the canvas" })), make("div", { className: "control" }, size)),
       make("button", { type: "button", className: "primary save-button", id: "save-file", onclick: save }),
+      make("p", { id: "weight", role: "status", "aria-live": "polite" }),
       make("h2", { textContent: "Kept" }), make("p", { id: "kept" }),
       make("div", { className: "row" }, make("button", { type: "button", textContent: "Begin anew", title: "All that was set goes; undo brings it back", onclick: () => tell("anew") })));
   }
@@ -224,8 +225,42 @@ function showSave(work) {
   find("kept").textContent = work.notKept ?? `All that is set is kept in ${work.keptIn}${work.mended ? ` and ${work.mended}` : ""}. Open ${work.name} again, and it goes on.`;
 }
 
+/** Bytes above which programs that edit vectors become slow, and what helps. */
+const HEAVY = 10e6;
+const LIGHTER = "Many programs open so large a file slowly: a smaller canvas, fewer elements or PNG make it lighter.";
+
+const readable = bytes => bytes < 1e6 ? `${Math.max(1, Math.round(bytes / 1e3))} kB` : `${(bytes / 1e6).toFixed(1)} MB`;
+
+/** Says before saving how large the file will be, while it can be seen. */
+let weighing = null, weighed = "";
+const showWeight = settled(async () => {
+  const place = find("weight");
+  if (!place || find("save").hidden || !ready()) return;
+  const parameters = { format, scale: format === "png" ? scale : "" };
+  const key = JSON.stringify([textureKey(), state.version, parameters]);
+  if (weighed === key) return;
+  weighed = key;
+  weighing?.abort();
+  weighing = new AbortController();
+  place.className = "";
+  place.textContent = "Measuring the file…";
+  try {
+    const { bytes, size } = await (await ask("weigh", parameters, weighing.signal)).json();
+    const pixels = format === "png" ? `${size[0]} × ${size[1]} px` : "";
+    const heavy = bytes > HEAVY && format !== "png";
+    place.className = heavy ? "heavy" : "";
+    place.textContent = [pixels, bytes === null ? "" : readable(bytes)].filter(Boolean).join(", ") + (heavy ? `. ${LIGHTER}` : "");
+  } catch (error) {
+    if (error.name === "AbortError") return;
+    weighed = "";
+    place.className = "heavy";
+    place.textContent = error.hint ? `${error.message}; ${error.hint}` : error.message;
+  }
+}, 200);
+
 const showCommand = settled(async () => {
   if (!state.work) return;
+  showWeight();
   try {
     const { lines, file } = await askJson("commands", { format, scale: format === "png" ? scale : "" });
     find("lines").textContent = lines.join("\n");
@@ -271,6 +306,7 @@ function selectTab(name, focus = false) {
     if (own && focus) tab.focus();
   }
   if (name !== "steer" && view.pen) paint.take(view.pen);
+  if (name === "save") showWeight();
   if (name === "mend" && state.work?.kind === "photograph") setView("elements");
   else if (name !== "mend" && view.mode === "elements") setView("texture");
 }

@@ -1,6 +1,6 @@
 // Calls to the program that served this page.
 
-import { notice } from "./dom.js";
+import { forget, notice } from "./dom.js";
 
 const address = (name, parameters) => {
   const query = parameters ? `?${new URLSearchParams(parameters)}` : "";
@@ -27,6 +27,8 @@ export async function tell(name, content = {}, parameters = undefined) {
   const raw = content instanceof Blob || content instanceof ArrayBuffer;
   try {
     await answer(await fetch(address(name, parameters), { method: "POST", body: raw ? content : JSON.stringify(content) }));
+    // What was refused before has been put right, or is wanted no more.
+    forget("refused");
     return true;
   } catch (error) {
     notice(error.message, { hint: error.hint, fault: true, key: "refused" });

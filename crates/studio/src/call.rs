@@ -1,5 +1,9 @@
 //! Calls of the page.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use vtex_base::Progress;
+
 /// What a call wants.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verb {
@@ -9,8 +13,40 @@ pub enum Verb {
     Post,
 }
 
+/// Who made a call, and whether anybody still waits for the answer. As a [`Progress`] it stops work that nobody
+/// waits for.
+#[derive(Clone, Debug, Default)]
+pub struct Caller(Arc<AtomicBool>);
+
+impl Caller {
+    /// Whether the connection has ended before the answer.
+    pub fn has_left(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+
+    /// The caller has left once the returned value is dropped.
+    pub(crate) fn waiting(&self) -> Waiting {
+        Waiting(self.clone())
+    }
+}
+
+impl Progress for Caller {
+    fn advance(&self, _: &'static str, _: u64, _: u64) -> bool {
+        !self.has_left()
+    }
+}
+
+/// A connection that waits for an answer.
+pub(crate) struct Waiting(Caller);
+
+impl Drop for Waiting {
+    fn drop(&mut self) {
+        self.0.0.store(true, Ordering::Relaxed);
+    }
+}
+
 /// A call that the guard has let in.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug)]
 pub struct StudioCall {
     /// What it wants.
     pub verb: Verb,
@@ -20,6 +56,8 @@ pub struct StudioCall {
     pub query: Vec<(String, String)>,
     /// Its content.
     pub body: Vec<u8>,
+    /// Who made it.
+    pub caller: Caller,
 }
 
 impl StudioCall {

@@ -16,7 +16,7 @@ pub mod work;
 
 pub use answer::{Content, StudioAnswer};
 pub use browser::open_address;
-pub use call::{StudioCall, Verb};
+pub use call::{Caller, StudioCall, Verb};
 pub use events::EventHub;
 pub use server::{Bounds, StudioServer};
 

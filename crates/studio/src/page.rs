@@ -1,7 +1,7 @@
 //! The files of the page, which are part of the program.
 
 /// Name, media type and content of each file.
-const FILES: [(&str, &str, &str); 12] = [
+const FILES: [(&str, &str, &str); 13] = [
     ("", "text/html; charset=utf-8", include_str!("../page/index.html")),
     ("style.css", "text/css; charset=utf-8", include_str!("../page/style.css")),
     ("icon.svg", "image/svg+xml", include_str!("../page/icon.svg")),
@@ -9,6 +9,7 @@ const FILES: [(&str, &str, &str); 12] = [
     ("server.js", SCRIPT, include_str!("../page/server.js")),
     ("dom.js", SCRIPT, include_str!("../page/dom.js")),
     ("canvas.js", SCRIPT, include_str!("../page/canvas.js")),
+    ("labels.js", SCRIPT, include_str!("../page/labels.js")),
     ("knobs.js", SCRIPT, include_str!("../page/knobs.js")),
     ("change.js", SCRIPT, include_str!("../page/change.js")),
     ("paint.js", SCRIPT, include_str!("../page/paint.js")),

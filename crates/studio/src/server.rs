@@ -1,7 +1,7 @@
 //! The server: connections, bounds of size and time, and the way of each request.
 
 use crate::answer::StudioAnswer;
-use crate::call::{StudioCall, Verb, parameters};
+use crate::call::{Caller, StudioCall, Verb, parameters};
 use crate::events::EventHub;
 use crate::guard::{Guard, RequestHead, Verdict};
 use crate::{App, page};
@@ -229,7 +229,10 @@ async fn respond(request: Request<Incoming>, shared: &Arc<Shared>, welcome: &Ato
         Err(_) => return refused(408),
     };
     let app = Arc::clone(&shared.app);
-    let call = StudioCall { verb, name, query, body };
+    let caller = Caller::default();
+    // If the connection ends first, this is dropped with the rest of the request.
+    let _waiting = caller.waiting();
+    let call = StudioCall { verb, name, query, body, caller };
     let done = tokio::task::spawn_blocking(move || app.answer(call)).await;
     let done = done.unwrap_or_else(|_| StudioAnswer::fault(500, "a defect of this program", None));
     let status = StatusCode::from_u16(done.status).unwrap_or(StatusCode::INTERNAL_SERVER_ERROR);

@@ -14,6 +14,8 @@ use vtex_studio::{App, Bounds, Content, EventHub, StudioAnswer, StudioCall, Stud
 struct Counting {
     calls: AtomicUsize,
     last: Mutex<Option<StudioCall>>,
+    /// Calls whose caller has left before the answer.
+    left: AtomicUsize,
 }
 
 impl App for Counting {
@@ -22,6 +24,14 @@ impl App for Counting {
         let name = call.name.clone();
         *self.last.lock().unwrap() = Some(call);
         assert_ne!(name, "panic", "on purpose");
+        if name == "work" {
+            let caller = self.last.lock().unwrap().as_ref().unwrap().caller.clone();
+            let began = Instant::now();
+            while !caller.has_left() && began.elapsed() < Duration::from_secs(20) {
+                std::thread::sleep(Duration::from_millis(5));
+            }
+            self.left.fetch_add(usize::from(caller.has_left()), Ordering::SeqCst);
+        }
         match &name[..] {
             "file" => StudioAnswer::bytes(Content::Download, vec![7; 100_000]),
             _ => StudioAnswer::json(&name),
@@ -375,4 +385,25 @@ fn it_ends_when_nobody_is_there() {
     server.thread.take().unwrap().join().unwrap();
     server.thread = Some(std::thread::spawn(|| {}));
     assert!(began.elapsed() > Duration::from_millis(6800), "{:?}", began.elapsed());
+}
+
+#[test]
+fn work_hears_that_its_caller_has_left() {
+    let running = Running::new(None);
+    let Running { token, app, .. } = &running;
+    let head = format!("GET /{token}/api/work HTTP/1.1\r\n{}\r\n\r\n", running.host());
+    let mut stream = running.connect();
+    stream.write_all(head.as_bytes()).unwrap();
+    let wait = |done: &dyn Fn() -> bool| {
+        let began = Instant::now();
+        while !done() && began.elapsed() < Duration::from_secs(10) {
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        assert!(done());
+    };
+    wait(&|| running.calls() == 1);
+    assert_eq!(app.left.load(Ordering::SeqCst), 0);
+    drop(stream);
+    wait(&|| app.left.load(Ordering::SeqCst) == 1);
+    running.serves();
 }

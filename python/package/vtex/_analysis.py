@@ -25,7 +25,7 @@ def analyze(
     secondary_tolerance: float = 0.055,
     secondary_minimum: int = 3,
     secondary_maximum: int = 300,
-    categories: int | Literal["auto"] = 15,
+    categories: int | Literal["auto"] = "auto",
     descriptor_reach: float = 2.25,
     background_spacing: float = 25.0,
     background_margin: float = 5.0,
@@ -60,7 +60,7 @@ def analyze(
         The photograph (PNG, JPEG, TIFF, WebP, BMP, GIF, PNM) or SVG: its path, its bytes, a file open for
         reading bytes, or the text of an SVG; or pixels: an array height x width x 3 of uint8 (also x 4, laid
         over white, or height x width of greys), or an image of Pillow. At least 32 pixels on each side, at
-        most 16384.
+        most 16384. Colour profiles of files are applied; pixels are taken as sRGB.
     name : str, optional
         What the library calls the exemplar. Default: the file's name, or ``"array"``.
     segmenter : {"auto", "texton", "regions", "felzenszwalb", "sam"}, default "auto"
@@ -85,8 +85,8 @@ def analyze(
         Colour difference within a secondary element, 0 to 1.
     secondary_minimum, secondary_maximum : int, default 3 and 300
         Smallest (1 to 10 000) and largest (1 to 100 000) secondary element, square pixels.
-    categories : int or "auto", default 15
-        Number of categories of elements, 1 to 1000; ``"auto"`` makes as many as there are colours.
+    categories : int or "auto", default "auto"
+        Number of categories of elements, 1 to 1000; ``"auto"`` makes as few as the eye tells apart.
     descriptor_reach : float, default 2.25
         How far an element sees, in mean distances between elements, 0.5 to 10.
     background_spacing : float, default 25.0

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import re
 from collections.abc import Callable, Sequence
 from typing import IO, Any, Protocol, TypeAlias, TypeGuard, Union
 
@@ -29,11 +30,15 @@ class PillowImage(Protocol):
 Path: TypeAlias = Union[str, "os.PathLike[str]"]
 #: A picture: the path of a file, its bytes, an SVG as text, a file open for reading, an array, or an image of Pillow.
 Picture: TypeAlias = Union[Path, bytes, bytearray, memoryview, IO[bytes], npt.NDArray[Any], PillowImage]
+#: The size of a canvas: pixels, lengths such as ``"300mm"``, or width and height of either kind.
+Size: TypeAlias = Union[int, str, Sequence[int], Sequence[str]]
 #: Called with the name of a stage, the steps done, and the steps in all (0 while that is unknown). The
 #: work goes on unless it answers False or raises.
 Progress: TypeAlias = Callable[[str, int, int], Union[bool, None]]
 
 Named: TypeAlias = "tuple[str, bytes]"
+
+_SIDES = 2
 
 _BYTES = "give height x width x 3 of uint8, 0 to 255: array.astype('uint8')"
 
@@ -84,7 +89,7 @@ def contents(source: Picture, name: str | None) -> tuple[str, bytes] | None:
 
 
 def pixels_of_pillow(image: Any) -> npt.NDArray[Any]:
-    """Give the pixels of an image of Pillow as a file of it would be read."""
+    """Give the pixels of an image of Pillow as a file of it would be read, without its colour profile."""
     from PIL import ImageOps
 
     try:
@@ -177,13 +182,19 @@ def picture(source: Picture | None, role: str, most: float = 1.0) -> Named | Non
     return f"array-{hashlib.sha256(data).hexdigest()[:12]}.png", data
 
 
-def size_of(size: int | Sequence[int] | None) -> tuple[int, int] | None:
-    """Give width and height of a canvas."""
+def size_of(size: Size | None) -> tuple[int, int] | tuple[str, str] | None:
+    """Give width and height of a canvas in pixels, or those of a page as lengths."""
     if size is None:
         return None
-    wrong = InputTypeError(f"size = {size!r} cannot be used", "give a number of pixels, or (width, height)")
+    hint = "give a number of pixels, a length such as '300mm', or (width, height)"
+    wrong = InputTypeError(f"size = {size!r} cannot be used", hint)
+    if isinstance(size, str):
+        parts = re.split(r"(?<=[a-z])\s*x\s*(?=[\d.])", size)
+        size = (parts[0], parts[-1]) if len(parts) <= _SIDES else parts
     try:
         sides = [size, size] if isinstance(size, (int, np.integer)) else list(size)
+        if len(sides) == _SIDES and all(isinstance(side, str) for side in sides):
+            return str(sides[0]), str(sides[1])
         width, height = (int(side) if isinstance(side, (int, np.integer)) else None for side in sides)
     except (TypeError, ValueError):
         raise wrong from None

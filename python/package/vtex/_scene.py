@@ -48,8 +48,8 @@ class Scene(Document[_vtex.Scene]):
         css : bool, default False
             Whether CSS rules are written, by which categories are recoloured.
         max_bytes : int, optional
-            Most bytes of the text in UTF-8, 1 to 10**12: decimals are given up, then fineness of
-            outlines, then what is seen least. Default: no limit.
+            Maximum file size, 1 to 10**12: drops decimals and names, then outline detail, then what
+            is seen least. Default: no limit.
         background : str, optional
             Background of one colour (``"#rrggbb"``, ``"#rgb"`` or a name of CSS) in place of the
             exemplar's, or ``"none"``. Default: the exemplar's.
@@ -151,7 +151,7 @@ class Scene(Document[_vtex.Scene]):
         css : bool, default False
             As for `svg`, and for SVGs only.
         max_bytes : int, optional
-            As for `svg`, and for SVGs only.
+            As for `svg`, and for SVGs and PDFs.
         scale : float, default 1.0
             As for `render`; for PNGs only.
         background : str, optional
@@ -209,6 +209,11 @@ class Scene(Document[_vtex.Scene]):
     def height(self) -> int:
         """Height of the canvas, in pixels."""
         return self._core.height
+
+    @property
+    def page(self) -> tuple[str, str] | None:
+        """Width and height at which files show the canvas, e.g. ``("300mm", "200mm")``; None at 96 px to the inch."""
+        return self._core.page
 
     @property
     def seed(self) -> int | None:

@@ -13,12 +13,14 @@ from vtex._library import Library
 from vtex._scene import Scene
 
 _MOST_LIBRARIES = 16
+_MOST_DPI = 9600
 
 
 def synthesize(
     library: Library | Sequence[Library],
-    size: int | tuple[int, int] | None = None,
+    size: _inputs.Size | None = None,
     *,
+    dpi: int | None = None,
     seed: int = 0,
     method: Literal["auto", "correspondence", "descriptor", "period", "clustered", "curves"] = "auto",
     variation: float | None = None,
@@ -56,9 +58,13 @@ def synthesize(
     ----------
     library : Library or sequence of Library
         What the texture is made of. Several, at most 16, share the canvas by `map`.
-    size : int or (int, int), optional
-        Width and height of the canvas, 1 to 100 000 pixels each, at most 400 megapixels. Default: 1000,
-        or some whole periods of a periodic drawing.
+    size : int, str, or a pair of them, optional
+        Width and height of the canvas, 1 to 100 000 pixels each, at most 400 megapixels; units of a drawing count as
+        pixels. Or lengths in mm, cm, m, in or pt, as in ``"300mm"``, ``"3mx1m"`` or ``("3m", "1m")``: the size of the
+        page, which files state exactly. Default: 1000, or three by three pages of a drawing, shown at 900 pixels.
+    dpi : int, optional
+        Pixels of the canvas per inch of its page, 1 to 9600. Default: as many pixels as the default size has for a size
+        in lengths, so that elements are as large in relation to the page as they are there.
     seed : int, default 0
         Seed of random choices, 0 to 2**64 - 1.
     method : {"auto", "correspondence", "descriptor", "period", "clustered", "curves"}, default "auto"
@@ -159,10 +165,12 @@ def synthesize(
         raise InputError("anew and source are for a context", "give context and region, too")
     if context is not None and any(v is not None for v in (domain, density, map, control, guide)):
         raise InputError("a context goes with nothing else that steers", "leave out the others")
-    width, height = _inputs.size_of(size) or (1000, 1000)
+    if dpi is not None and not (isinstance(dpi, (int, np.integer)) and 1 <= dpi <= _MOST_DPI):
+        raise InputError(f"dpi = {dpi!r} is out of range: 1 to {_MOST_DPI}")
+    sides = _inputs.size_of(size)
+    lengths = sides if sides is not None and isinstance(sides[0], str) else None
+    canvas = {"pixels": sides if lengths is None else None, "page": lengths, "dpi": None if dpi is None else int(dpi)}
     parameters = {
-        "width": width,
-        "height": height,
         "seed": _inputs.seed_of(seed),
         "method": method,
         "variation": variation,
@@ -182,13 +190,11 @@ def synthesize(
     maps = maps_of(map, len(libraries), "libraries")
     shape, densities = _inputs.picture(domain, "domain"), _inputs.picture(density, "density", 2.0)
     layers, lightness = _inputs.picture(control, "control"), _inputs.picture(guide, "guide")
-    # Pictures that steer are fitted to the canvas, so its size is as good as given.
-    sized = size is not None or bool(maps) or any((shape, densities, layers, lightness))
     drawing, free = _inputs.picture(context, "context"), _inputs.picture(region, "region")
     beside = drawing, free, bool(anew), _inputs.picture(source, "source")
     cores = [library._core for library in libraries]
     steering = (shape, densities, maps, layers, lightness, *beside)
-    return Scene._of(_vtex.synthesize(cores, _inputs.to_json(parameters), sized, *steering, progress))
+    return Scene._of(_vtex.synthesize(cores, _inputs.to_json(parameters), _inputs.to_json(canvas), *steering, progress))
 
 
 def reconstruct(library: Library) -> Scene:

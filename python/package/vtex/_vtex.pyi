@@ -78,6 +78,8 @@ class Scene:
     @property
     def height(self) -> int: ...
     @property
+    def page(self) -> tuple[str, str] | None: ...
+    @property
     def seed(self) -> int | None: ...
     @property
     def tile(self) -> tuple[bool, bool]: ...
@@ -107,7 +109,7 @@ def analyze(
 def synthesize(
     libraries: Sequence[Library],
     parameters: str,
-    sized: bool,
+    canvas: str,
     domain: _Named | None,
     density: _Named | None,
     maps: Sequence[_Named],

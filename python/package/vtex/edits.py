@@ -8,7 +8,7 @@ layer : str, optional
     Only the elements of this layer, by its name or role (``"primary"``, ``"secondary"``; ``"background"``
     for colours). Default: the elements of all layers.
 where : str or sequence of str, default ()
-    Only the elements that fulfil all of these conditions: ``"category=3"`` (or ``3|5``, or ``!=3``),
+    Only the elements that fulfil all of these conditions: ``"category=3"`` (or ``3|5``, ``!=3``, or a name),
     ``"library=1"``, ``"id=17"``, ``"motif=4"``, ``"area>200"``, ``"elongation>1.5"``, ``"x<500"``,
     ``"y>=20"`` (with ``>``, ``<``, ``>=`` or ``<=``), ``"inside=shape.svg"``, ``"outside=mask.png"``.
 
@@ -250,23 +250,27 @@ class Recolor(Edit):
         The colour that it becomes.
     reach : float, default 0.2
         Oklab distance up to which colours are alike, 0.01 to 2; black and white are 1 apart.
+    keep : {"nothing", "details"}, default "nothing"
+        ``"details"`` leaves colours unlike the main one of their element, such as the hearts of flowers.
     """
 
     from_: Colour
     to: Colour
     reach: float = 0.2
+    keep: Literal["nothing", "details"] = "nothing"
 
     _word: ClassVar[str] = "recolor"
 
     def _action(self, files: _Files) -> dict[str, Any]:
-        return {"from": _colour(self.from_, "from_"), "to": _colour(self.to, "to"), "reach": self.reach}
+        colours = {"from": _colour(self.from_, "from_"), "to": _colour(self.to, "to")}
+        return {**colours, "reach": self.reach, "keep": self.keep}
 
 
 @dataclass(frozen=True, eq=False)
 class Palette(Edit):
-    """Give the categories, from dark to light, the colours of a palette, from dark to light.
+    """Replace the main colours, by the area that they cover, with those of a palette.
 
-    Shading within them stays. What has no category gets the colour that stands at its lightness.
+    Both from dark to light; shading stays. Without ``layer`` the background changes, too.
 
     Parameters
     ----------

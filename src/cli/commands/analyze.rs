@@ -98,6 +98,7 @@ fn run(common: &Common, reporter: &Reporter, analysis: &Analysis, targets: &Targ
             got: None,
             categories: Vec::new(),
             exemplar: "photograph",
+            own: None,
         }),
         layers: LayersReport::of_library(&library),
         lattice: library.lattice.clone(),

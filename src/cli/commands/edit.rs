@@ -156,6 +156,7 @@ fn run(common: &Common, reporter: &Reporter, editing: &Editing) -> anyhow::Resul
     let summary = Summary {
         seed: scene.edits.last().map(|e| e.seed),
         size: drawing.size_of(&scene, targets.first.kind.format),
+        page: drawing.page(&scene),
         counts: Some(ElementCounts::of_scene(&scene)),
         ..Summary::new("edit", vec![input.name()], targets.path(), written, reporter)
     };

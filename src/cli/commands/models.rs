@@ -95,7 +95,10 @@ fn run(common: &Common, action: ModelsAction, threads: Option<u16>) -> anyhow::R
                 return json("models list", "models", &models);
             }
             if models.is_empty() && !common.quiet {
-                say(&format!("no models in '{}'", store.folder().display()));
+                return print_styled(&format!(
+                    "no models in '{}'\n",
+                    escaped(&store.folder().display().to_string())
+                ));
             }
             print_styled(&models.iter().map(show).collect::<String>())
         }

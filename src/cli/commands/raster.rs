@@ -42,7 +42,7 @@ pub(crate) struct RasterArgs {
     pub(crate) output: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) force: ForceArgs,
-    /// Size of the result, 1000 or 1000x600
+    /// Size of the result: 1000, 1000x600, or lengths at 96 px to the inch: 300mm, 12in
     #[arg(long, value_name = "SIZE")]
     #[arg(takes = format!("1 to {} px each, default: as the photograph", Exemplar::LARGEST_SIDE))]
     pub(crate) size: Option<Size>,
@@ -168,7 +168,9 @@ impl Making {
             (Some(maps), ..) => PixelsFrom::Maps(maps),
             (_, Some(hole), _) => PixelsFrom::Hole(hole),
             (.., Some(Margins(margins))) => PixelsFrom::Border(margins),
-            _ => PixelsFrom::Photograph(a.size.map(|s| [s.width as usize, s.height as usize])),
+            _ => PixelsFrom::Photograph(
+                a.size.and_then(Size::pixels).map(|size| size.map(|side| side as usize)),
+            ),
         };
         let wrap = a.tile.map_or([false; 2], |t| [t.0.x, t.0.y]);
         Ok(Self { photo, pixels, wrap, scan, seed, place })

@@ -128,7 +128,7 @@ fn run(common: &Common, reporter: &Reporter, input: &Input, options: &RenderOpti
     reporter.stage("drawing")?;
     if let Some(width) = width {
         let own = match &scene {
-            Some(scene) => scene.width,
+            Some(scene) => scene.picture_size(1.0)[0],
             None => raster_svg::render_svg(&bytes, 1.0, &name, reporter)?.width(),
         };
         parameters.scale = f64::from(*width) / f64::from(own);
@@ -142,7 +142,7 @@ fn run(common: &Common, reporter: &Reporter, input: &Input, options: &RenderOpti
         }
         None if targets.all().all(|t| t.kind.format == Format::Png) => {
             let picture = raster_svg::render_svg(&bytes, scale, &name, reporter)?;
-            let write = |target: &Target| target.place.write(|out| png::encode(&picture, None, out));
+            let write = |target: &Target| target.place.write(|out| png::encode(&picture, None, None, out));
             let written = targets.each(|target| Ok(WrittenFile::of(write(target)?.1)))?;
             (written, [picture.width(), picture.height()])
         }
@@ -157,6 +157,7 @@ fn run(common: &Common, reporter: &Reporter, input: &Input, options: &RenderOpti
     let summary = Summary {
         pattern: pattern.as_ref().map(|p| p.place.path().display().to_string()),
         size,
+        page: scene.as_ref().and_then(|scene| drawing.page(scene)),
         counts: scene.as_ref().map(ElementCounts::of_scene),
         ..Summary::new("render", vec![name], targets.path(), written, reporter)
     };

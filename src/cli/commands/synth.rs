@@ -148,11 +148,11 @@ fn run(
         synthesis.on_page([drawing.source.width, drawing.source.height]);
     }
     let synthesis = &synthesis;
-    let mut controls =
-        reading::controls(&synthesis.steering, &synthesis.parameters, inputs.len(), &Input::read)?;
     let libraries = reading::libraries(inputs)?;
+    let parameters = synthesis.canvas(&libraries);
+    let mut controls = reading::controls(&synthesis.steering, &parameters, inputs.len(), &Input::read)?;
     if let Some((files, drawing)) = synthesis.context.as_ref().zip(drawing) {
-        controls.context = Some(files.beside(drawing, &synthesis.parameters, &libraries[0])?);
+        controls.context = Some(files.beside(drawing, &parameters, &libraries[0])?);
     }
     let exemplars: Vec<String> = libraries.iter().map(|l| l.source.sha256.clone()).collect();
     let replaced = synthesis.ask(common, reporter, Some(&exemplars))?;

@@ -22,12 +22,13 @@ use crate::cli::options::variants::VariantsArgs;
 use crate::cli::progress::{Plan, Reporter};
 use crate::cli::reading;
 use crate::cli::recipe::{self, Recipe, of_variant};
-use crate::cli::synthesis::{Sources, Synthesis, canvas, finish};
+use crate::cli::synthesis::{Sources, Synthesis, finish};
 use crate::cli::weights::read_weights;
 use clap::Args;
 use std::path::PathBuf;
 use vtex::Progress;
 use vtex::output::file::{FileKind, Format};
+use vtex::synth::Controls;
 
 const MAKES: Makes = Makes { allowed: format::OF_PHOTO, usual: Format::Svg, word: "texture" };
 
@@ -223,12 +224,19 @@ impl Texture {
             }
         }
         let mut controls = reading::controls(&synthesis.steering, &synthesis.parameters, 1, &Input::read)?;
+        let supposed = [synthesis.parameters.width, synthesis.parameters.height];
         let (finder, megapixels) = (Some(analysis.finder()), synthesis.megapixels());
         reporter.plan(Plan { finder, canvas: Some(megapixels), ..Plan::default() });
         let library = analyze(common, analysis, reporter)?;
         controls.structure = reading::structure_guide(&synthesis.steering, &library)?;
         let inputs = vec![analysis.input.name()];
-        let synth = canvas(&synthesis.parameters, synthesis.sized, std::slice::from_ref(&library));
+        let synth = synthesis.canvas(std::slice::from_ref(&library));
+        if [synth.width, synth.height] != supposed {
+            controls = Controls {
+                structure: controls.structure,
+                ..reading::controls(&synthesis.steering, &synth, 1, &Input::read)?
+            };
+        }
         let parameters = Parameters { synth, ..self.parameters.clone() };
         let made = recipe::of(
             &parameters,

@@ -54,8 +54,9 @@ pub(crate) struct TuneFlags {
     /// Sets of weights tried
     #[arg(long, number = TuneParams::EVALUATIONS, default_value_t = TuneParams::EVALUATIONS.default())]
     pub(crate) evaluations: u32,
-    /// Canvas, px: 1000 or 1000x600
-    #[arg(long, value_name = "SIZE", takes = Size::canvas(TuneParams::SIDE))]
+    /// Canvas size: 1000, 1000x600, or lengths at 96 px to the inch: 300mm, 12in
+    #[arg(long, value_name = "SIZE")]
+    #[arg(takes = format!("{}, default: {}", Size::canvas(TuneParams::SIDE), TuneParams::SIDE.default()))]
     pub(crate) size: Option<Size>,
 }
 
@@ -83,8 +84,8 @@ impl Tuning {
             return Err(failure.hint("write the library to a file first").into());
         };
         let defaults = TuneParams::default();
-        let (width, height) =
-            a.search.size.map_or((defaults.synth.width, defaults.synth.height), |s| (s.width, s.height));
+        let [width, height] =
+            a.search.size.and_then(Size::pixels).unwrap_or([defaults.synth.width, defaults.synth.height]);
         let parameters = TuneParams {
             synth: SynthParams { width, height, ..synth },
             seeds: a.search.seeds,
@@ -164,7 +165,7 @@ fn run(common: &Common, reporter: &Reporter, input: &Input, tuning: &Tuning) -> 
     if tuned.after.objective() < tuned.before.objective() {
         say(&format!("use them with 'vtex synth {} --weights {name}'", input.name()));
     } else {
-        say("they are those to begin with, for no better were found: there is nothing to use");
+        say(&format!("no better weights were found: '{output}' contains those that the search began with"));
     }
     Ok(())
 }

@@ -123,6 +123,7 @@ fn run(
     let summary = Summary {
         seed: Some(library.source.parameters.seed),
         size: drawing.size_of(&scene, targets.first.kind.format),
+        page: drawing.page(&scene),
         reduced: PhotographReduction::of_library(&library),
         counts: Some(ElementCounts::of_scene(&scene)),
         ..Summary::new("vectorize", vec![analysis.input.name()], targets.path(), written, reporter)

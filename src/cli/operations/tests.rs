@@ -3,7 +3,7 @@
 use super::line::{Line, parse};
 use clap::CommandFactory;
 use vtex::edit::{
-    About, Action, ColourOrMap, Comparison, Condition, Direction, Distribution, Identity, Jitter,
+    About, Action, ColourOrMap, Comparison, Condition, Direction, Distribution, Identity, Jitter, Keep,
     NumberOrMap, Operation, OrderBy, Quantity, ThinOrder, Within,
 };
 use vtex::raster::colour::Colour;
@@ -42,7 +42,12 @@ fn texts_mean_operations() {
         ("tint Red", Action::Tint { colour: colour("#ff0000").into(), amount: 0.5, share: 1.0 }),
         (
             "recolor --to #102030 --from #fff",
-            Action::Recolor { from: colour("#ffffff"), to: colour("#102030"), reach: 0.2 },
+            Action::Recolor {
+                from: colour("#ffffff"),
+                to: colour("#102030"),
+                reach: 0.2,
+                keep: Keep::Nothing,
+            },
         ),
         (
             "palette two.txt",
@@ -205,7 +210,8 @@ fn faults_are_told_with_what_would_be_right() {
         ("delete --where colour=3", "'colour' is nothing that elements have", "did you mean"),
         ("delete --where area=3", "'area' is not compared by '='", "area>200"),
         ("delete --where area>x", "'x' is no number", "area>200"),
-        ("delete --where category=1.5", "is no whole number", "category=3"),
+        ("delete --where category=1.5", "neither the name nor the number of a category", "category=3"),
+        ("delete --where id=1.5", "is no whole number", "category=3"),
         ("delete --where inside=", "names no file", "inside=FILE"),
         ("delete --where category", "is no condition", "category=3"),
         ("tint #fff --amount 0.2 --amount=0.3", "--amount is given twice", "once"),

@@ -8,7 +8,8 @@ use clap::{ArgAction, ArgGroup, Command, Subcommand};
 use serde::de::DeserializeOwned;
 use vtex::Parameter;
 use vtex::edit::{
-    About, Action, ColourOrMap, Direction, Distribution, Jitter, NumberOrMap, OrderBy, ThinOrder, Within,
+    About, Action, ColourOrMap, Direction, Distribution, Jitter, Keep, NumberOrMap, OrderBy, ThinOrder,
+    Within,
 };
 use vtex::raster::colour::Colour;
 use vtex::scene::InstanceId;
@@ -75,9 +76,14 @@ pub(super) enum Verb {
         /// Oklab distance up to which colours are alike; black and white are 1 apart
         #[arg(long, number = Action::REACH, default_value_t = Action::REACH.default())]
         reach: f64,
+        /// leave colours unlike the main one of their element, such as the hearts of flowers
+        /// [nothing, details, default: nothing]
+        #[arg(long, value_name = "WORD", value_parser = choice::<Keep>(&["nothing", "details"]))]
+        #[arg(default_value = "nothing")]
+        keep: Keep,
     },
-    /// Give the categories, from dark to light, the colours of a palette, from dark to light; shading
-    /// within them stays. What has no category gets the colour that stands at its lightness.
+    /// Replace the main colours, by the area that they cover, with those of a palette, both from dark to
+    /// light; shading stays. Without --layer the background changes, too.
     #[command(after_help = "palette autumn.gpl")]
     Palette {
         /// #rrggbb in any text, or a GIMP palette [a file]
@@ -354,7 +360,7 @@ impl Verb {
             Self::Density { map } => Action::Density { map },
             Self::Orient { direction, strength } => Action::Orient { direction, strength },
             Self::Tint { colour, amount, share } => Action::Tint { colour, amount, share },
-            Self::Recolor { from, to, reach } => Action::Recolor { from, to, reach },
+            Self::Recolor { from, to, reach, keep } => Action::Recolor { from, to, reach, keep },
             Self::Palette { file } => {
                 let colours = vtex::control::palette(&read(&file)?, &file)?;
                 Action::Palette { colours, file: Some(file) }

@@ -53,9 +53,9 @@ pub(crate) struct AnalyzeFlags {
     /// Largest secondary
     #[arg(long, number = AnalyzeParams::SECONDARY_MAXIMUM)]
     pub(crate) secondary_maximum: Option<u32>,
-    /// Categories of elements: a number, or as many as there are colours
+    /// Categories of elements: a number, or as many as the eye tells apart
     #[arg(long, value_name = "NUMBER")]
-    #[arg(takes = format!("auto or {}, default: {}", AnalyzeParams::CATEGORIES, AnalyzeParams::CATEGORIES.default()))]
+    #[arg(takes = format!("auto or {}, default: auto", AnalyzeParams::CATEGORIES))]
     pub(crate) categories: Option<Categories>,
     /// How far an element sees, in mean distances between elements
     #[arg(long, number = AnalyzeParams::DESCRIPTOR_REACH)]
@@ -123,7 +123,13 @@ pub(crate) struct AnalyzeFlags {
     /// Their order: the layers found, counted from 0 at the bottom, from the new bottom to the new top;
     /// none: that in which layers that are not next to each other touch least [default: none]
     #[arg(long, value_name = "LAYER,...", value_delimiter = ',', help_heading = "Layers of the photograph")]
+    #[arg(value_parser = layer::<u32>)]
     pub(crate) layer_order: Option<Vec<u32>>,
+}
+
+/// The number of a layer.
+pub(crate) fn layer<T: std::str::FromStr>(text: &str) -> Result<T, String> {
+    text.trim().parse().map_err(|_| "expected numbers of layers, counted from 0, such as 1,0,2".to_owned())
 }
 
 /// A number of layers as the parameters have it: 0 stands for auto.

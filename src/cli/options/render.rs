@@ -1,6 +1,7 @@
 //! How a picture is drawn.
 
 use crate::cli::number::Takes;
+use crate::cli::values::Resolution;
 use clap::Args;
 use serde::{Serialize, Serializer};
 use std::str::FromStr;
@@ -13,12 +14,16 @@ use vtex::raster::css;
 #[derive(Args, Serialize)]
 #[command(next_help_heading = "Output")]
 pub(crate) struct RenderFlags {
-    /// Pixels of a PNG for each pixel of the canvas
+    /// Pixels of a PNG for each pixel of the canvas, or of a page in pixels
     #[arg(long, number = RenderParameters::SCALE)]
     pub(crate) scale: Option<f64>,
-    /// Pixels to the inch of an SVG or PDF, and of sizes with units
-    #[arg(long, number = DPI)]
-    pub(crate) dpi: Option<u32>,
+    /// Pixels of the canvas per inch of its page
+    ///
+    /// auto: a size in pixels states none; a size in lengths has as many pixels as the default canvas, so that elements
+    /// are as large in relation to the page as they are there. More pixels make more, and smaller, elements; --scale makes
+    /// a finer PNG of the same elements
+    #[arg(long, value_name = "NUMBER", takes = format!("{DPI}, or auto, default: auto"))]
+    pub(crate) dpi: Option<Resolution>,
     /// Background of one colour in place of the exemplar's, or none, so that what is between the elements is
     /// transparent [#rrggbb, #rgb, a name of CSS or none, default: the exemplar's]
     #[arg(long, value_name = "COLOUR")]
@@ -28,10 +33,10 @@ pub(crate) struct RenderFlags {
 /// How a picture is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(crate) struct RenderParameters {
-    /// Pixels for each pixel of the canvas.
+    /// Pixels for each pixel of the canvas, or of a page in pixels.
     pub(crate) scale: f64,
-    /// Pixels to the inch.
-    pub(crate) dpi: u32,
+    /// Pixels of the canvas per inch of its page.
+    pub(crate) dpi: Resolution,
     /// Background between the elements, if not the exemplar's.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) background: Option<BackgroundChoice>,
@@ -39,7 +44,7 @@ pub(crate) struct RenderParameters {
 
 impl Default for RenderParameters {
     fn default() -> Self {
-        Self { scale: Self::SCALE.default(), dpi: DPI.default(), background: None }
+        Self { scale: Self::SCALE.default(), dpi: Resolution::default(), background: None }
     }
 }
 

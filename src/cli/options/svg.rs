@@ -22,8 +22,8 @@ pub(crate) struct SvgFlags {
     #[arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
     #[arg(hide_possible_values = true)]
     pub(crate) css: Option<bool>,
-    /// Most bytes of an SVG or PDF, as 5MB, 800kB or a number: gives up decimals, then fineness of outlines,
-    /// then what is seen least
+    /// Maximum file size of an SVG or PDF, as 5MB, 800kB or a number: drops decimals and names, then outline
+    /// detail, then what is seen least
     #[arg(long, value_name = "SIZE", takes = format!("{}, default: no limit", Bytes::RANGE))]
     pub(crate) max_bytes: Option<Bytes>,
 }
@@ -56,6 +56,6 @@ impl SvgParameters {
 
 impl From<SvgParameters> for SvgOptions {
     fn from(SvgParameters { precision, expand, css, .. }: SvgParameters) -> Self {
-        Self { precision, expand, css }
+        Self { precision, expand, css, names: true }
     }
 }

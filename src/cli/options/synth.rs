@@ -37,11 +37,12 @@ const PARTS: [&str; 24] = [
 #[derive(Args, Serialize)]
 #[command(next_help_heading = "Synthesis (lengths in pixels of the canvas)")]
 pub(crate) struct SynthFlags {
-    /// Canvas, px: 1000 or 1000x600
+    /// Canvas size: 1000, 1000x600, 300mm, 12in, 3mx1m
     ///
-    /// Lengths at --dpi will do too: 300mm, 12in, 3mx1m
+    /// Numbers are pixels of the photograph or units of the drawing. Lengths in mm, cm, m, in or pt are the size of the
+    /// page, which SVG, PDF and PNG state exactly; see --dpi. auto: 1000, or 3 x 3 pages of a drawing, shown at 900 px
     #[arg(long, value_name = "SIZE")]
-    #[arg(takes = Size::canvas(SynthParams::SIDE))]
+    #[arg(takes = format!("{}, default: auto", Size::canvas(SynthParams::SIDE)))]
     pub(crate) size: Option<Size>,
     /// How elements are placed: carried from the exemplar along a field of correspondences, which keeps
     /// structure larger than a few elements; one by one by the descriptors of their neighbours; by the

@@ -44,8 +44,8 @@ pub(super) fn synthesize(
     let outlines = map.outlines([params.tile.x, params.tile.y]);
     let shares = map.shares();
     let references = libraries.iter().map(Library::reference).collect();
-    let mut whole =
-        JoinedScene { scene: Scene::new([params.width, params.height], references, Vec::new()), map };
+    let scene = Scene::new([params.width, params.height], references, Vec::new());
+    let mut whole = JoinedScene { scene: Scene { page: params.page, ..scene }, map };
     let mut reports = Vec::new();
     let is_seen = |g: usize| shares[g] > 0.0 && (g == 0 || !outlines[g - 1].is_empty());
     for (g, group) in groups.iter().enumerate().filter(|(g, _)| is_seen(*g)) {

@@ -10,13 +10,13 @@ use crate::arrange::context::DrawnContext;
 use crate::arrange::controls::Controls;
 use crate::arrange::motifs::{MotifUnits, UnitPart};
 use vtex_base::error::Result;
-use vtex_base::geometry::{Affine, Outline, Rect, rounded};
+use vtex_base::geometry::{Affine, ConvexPolygon, Outline, Rect, rounded};
 use vtex_base::progress::{Progress, advance};
 use vtex_cluster::{
     ClusterExemplar, ClusterParams, ClusterResult, ClusteredElement, ClusteringParts, Figure, FigurePlace,
     PeriodicPlane, cluster, cluster_beside,
 };
-use vtex_scene::element::{self, SimilarTo};
+use vtex_scene::element::{self, Shape, SimilarTo};
 use vtex_scene::library::{ElementId, Library};
 use vtex_scene::reconstruct::equal;
 use vtex_scene::scene::{Ablation, LibraryId, Scene, SynthParams};
@@ -48,17 +48,18 @@ pub(super) fn check(libraries: &[Library], params: &SynthParams, controls: &Cont
 const MOST: f64 = 10_000.0;
 const LARGEST: f64 = 0.5;
 
+/// Distance beyond a page up to which what the page cuts is looked at, in sides of the page.
+const BESIDE: f64 = 0.1;
+
 /// Whether this method suits a library best: a drawing of small elements on a page that ends.
 pub(super) fn suits(libraries: &[Library], params: &SynthParams, controls: &Controls) -> bool {
-    let is_texture = |library: &Library| {
-        let [w, h] = library.page();
-        let pages = f64::from(params.width) * f64::from(params.height) / (w * h);
-        let is_small = |b: Rect| b.width() <= LARGEST * w && b.height() <= LARGEST * h;
-        let few = library.primaries().len() as f64 * pages.max(1.0) <= MOST;
-        few && library.primaries().iter().all(|e| e.clipped || is_small(element::bounds(&e.shapes)))
-    };
-    let alone = |library: &Library| !library.arrangement.periodic && is_texture(library);
-    check(libraries, params, controls).is_ok() && libraries.iter().all(alone)
+    let [library] = libraries else { return false };
+    let ends = !library.arrangement.periodic && check(libraries, params, controls).is_ok();
+    let [w, h] = library.page();
+    let pages = f64::from(params.width) * f64::from(params.height) / (w * h);
+    let are_few = library.primaries().len() as f64 * pages.max(1.0) <= MOST;
+    let is_small = |b: Rect| b.width() <= LARGEST * w && b.height() <= LARGEST * h;
+    ends && are_few && library.primaries().iter().all(|e| e.clipped || is_small(element::bounds(&e.shapes)))
 }
 
 /// A texture of clustered samples, and how close it came.
@@ -190,6 +191,8 @@ impl ClusteredDrawing {
         // The linear part that each figure's element is placed with, and the figure.
         let mut of_element: Vec<Vec<([f64; 4], u32)>> = vec![Vec::new(); elements.len()];
         let (mut places, mut drawn, mut bounds) = (Vec::new(), Vec::new(), Vec::new());
+        let size = [library.source.width, library.source.height].map(f64::from);
+        let around = Rect::new(0.0, 0.0, size[0], size[1]).inflate(BESIDE * size[0], BESIDE * size[1]);
         for (l, layer) in library.layers.iter().enumerate() {
             for instance in &layer.instances {
                 let own = instance.element.index();
@@ -198,15 +201,24 @@ impl ClusteredDrawing {
                 let map = Affine::new(instance.transform) * from;
                 let [a, b, c, d, ..] = map.as_coeffs();
                 let shapes = &elements[element].shapes;
-                let middle = element::bounds(shapes).center();
+                // What the border cuts only shows the others where no room is: it need not reach far beyond the page.
+                let is_far = !around.contains_rect(map.transform_rect_bbox(element::bounds(shapes)));
+                let cut = (e.clipped && is_far).then(|| within(shapes, map, around));
+                let bounds_of = |all: &[Outline]| all.iter().map(Outline::bounds).reduce(|a, b| a.union(b));
+                let shown = cut.as_deref().map_or_else(|| Some(element::bounds(shapes)), bounds_of);
+                let Some(middle) = shown.map(|b| b.center()) else { continue };
                 let listed = &mut of_element[element];
                 let linear = [a, b, c, d];
                 let alike = |other: &&([f64; 4], u32)| (0..4).all(|k| (other.0[k] - linear[k]).abs() < MOVED);
-                let figure = listed.iter().find(alike).map_or(figures.len() as u32, |f| f.1);
+                let like = listed.iter().find(alike).filter(|_| cut.is_none());
+                let figure = like.map_or(figures.len() as u32, |f| f.1);
                 let turned = Affine::new([a, b, c, d, 0.0, 0.0]) * Affine::translate(-middle.to_vec2());
                 if figure as usize == figures.len() {
-                    listed.push((linear, figure));
-                    let outlines: Vec<Outline> = shapes.iter().map(|s| s.outline.moved(turned)).collect();
+                    if cut.is_none() {
+                        listed.push((linear, figure));
+                    }
+                    let outlines = cut.unwrap_or_else(|| shapes.iter().map(|s| s.outline.clone()).collect());
+                    let outlines = outlines.iter().map(|outline| outline.moved(turned)).collect();
                     let category = e.category.map_or(0, |c| c.index() as u32);
                     figures.push(Figure { outlines, category, colour: oklab(e.colour) });
                     looks.push(shapes.iter().map(|s| ShapeLook::of(s, turned)).collect());
@@ -218,7 +230,6 @@ impl ClusteredDrawing {
                 bounds.push(figures[figure as usize].bounds());
             }
         }
-        let size = [library.source.width, library.source.height].map(f64::from);
         let page = PeriodicPlane { size, wraps: [library.arrangement.periodic; 2] };
         Self { exemplar: ClusterExemplar { page, figures, places }, looks, places: drawn, bounds }
     }
@@ -265,6 +276,16 @@ impl ClusteredDrawing {
     }
 }
 
+/// The parts of shapes, as a map places them, that lie within a rectangle, in the coordinates of the shapes.
+fn within(shapes: &[Shape], map: Affine, rectangle: Rect) -> Vec<Outline> {
+    let polygon = ConvexPolygon::rect(rectangle);
+    let part = |shape: &Shape| {
+        let placed = shape.outline.moved(map);
+        Some(Outline::new(&polygon.clipped(placed.path()))?.moved(map.inverse()))
+    };
+    shapes.iter().filter_map(part).filter(|outline| !outline.is_empty()).collect()
+}
+
 /// The first element that an element equals up to its place, and the translation from that one; or itself.
 fn moved_first(known: &[SimilarTo], own: usize) -> (usize, Affine) {
     let SimilarTo { first, map } = known[own];
@@ -276,6 +297,7 @@ mod tests {
     use crate::synth::testing::drawing_of;
     use crate::synth::{Controls, synthesize_with};
     use vtex_base::error::{Error, Result};
+    use vtex_base::geometry::{Outline, parse_path};
     use vtex_base::raster::LabelMap;
     use vtex_scene::library::{Library, testing};
     use vtex_scene::scene::{Ablation, Method, Scene, SynthParams, Tile};
@@ -333,6 +355,24 @@ mod tests {
             run(&library, true, parts).unwrap().layers,
             run(&library, true, Vec::new()).unwrap().layers
         );
+    }
+
+    #[test]
+    fn what_the_page_cuts_is_looked_at_near_the_page_only() {
+        let mut library = drawing();
+        library.arrangement.periodic = false;
+        let path = parse_path("M-5000 20H80V140z").unwrap();
+        library.elements[0].shapes[0].outline = Outline::new(&path).unwrap();
+        library.elements[0].clipped = true;
+        let cut = library.layers.iter_mut().flat_map(|l| &mut l.instances).find(|i| i.element.index() == 0);
+        cut.unwrap().transform = [1.0, 0.0, 0.0, 1.0, 0.0, 0.0];
+        let drawn = super::ClusteredDrawing::new(&library);
+        let size = [library.source.width, library.source.height].map(f64::from);
+        for (place, bounds) in drawn.exemplar.places.iter().zip(&drawn.bounds) {
+            let b = *bounds + vtex_base::geometry::Vec2::new(place.at[0], place.at[1]);
+            assert!(b.x0 > -0.11 * size[0] && b.x1 < 1.11 * size[0], "{b:?}");
+        }
+        assert_eq!(drawn.exemplar.places.len(), library.primaries().len());
     }
 
     #[test]

@@ -41,6 +41,7 @@ pub(crate) fn blank(
     let references = libraries.iter().map(Library::reference).collect();
     Scene {
         parameters: Some(params.clone()),
+        page: params.page,
         tile: params.tile,
         domain: controls.domain.clone().map(|outline| Domain { outline, edge: params.edge }),
         ..Scene::new([params.width, params.height], references, layers)

@@ -6,6 +6,7 @@
 
 mod backdrop;
 pub(crate) mod background;
+mod canvas;
 mod canvas_parts;
 #[cfg(feature = "curves")]
 mod cell_drawing;
@@ -14,6 +15,7 @@ mod cells;
 #[cfg(feature = "clustered")]
 mod clustered;
 pub(crate) mod compose;
+mod cost;
 mod covered;
 #[cfg(feature = "curves")]
 mod curves;
@@ -48,6 +50,8 @@ mod vacated;
 pub use crate::arrange::context::DrawnContext;
 pub use crate::arrange::controls::{Controls, StructureGuide};
 pub use crate::arrange::correspondence::Structure;
+pub use canvas::CanvasSize;
+pub use cost::Cost;
 pub use report::{CategoryReport, ClusterReport, CurveReport, SynthReport};
 pub use strata::{StratumReport, layer_map};
 pub use units::{SynthesisMemory, synthesize_again, synthesize_with};
@@ -102,7 +106,30 @@ fn in_pixels(
         return canvas_parts::synthesize(libraries, params, controls, progress);
     }
     let method = method(libraries, params, controls)?;
+    let asked = params.method;
     let params = &SynthParams { method, ..params.clone() };
+    by_method(libraries, params, controls, memory, progress).map_err(|error| chosen(asked, error))
+}
+
+/// The error of a method. Where nobody has named it, the error says so.
+fn chosen(asked: Method, error: Error) -> Error {
+    match error {
+        Error::Parameter { name: name @ "method", value, allowed } if asked == Method::Auto => {
+            Error::Parameter { name, value: format!("auto, which chose {value}"), allowed }
+        }
+        error => error,
+    }
+}
+
+/// A texture by the method of the parameters, which is not [`Method::Auto`].
+fn by_method(
+    libraries: &[Library],
+    params: &SynthParams,
+    controls: &Controls,
+    memory: Option<&PagesMemory>,
+    progress: &dyn Progress,
+) -> Result<(Scene, SynthReport)> {
+    let method = params.method;
     if method == Method::Period {
         return period::synthesize(&libraries[0], params, controls, progress);
     }
@@ -225,22 +252,6 @@ fn placements<'a>(
         Placement { what, transform, layer, motif: None }
     });
     below.chain(above)
-}
-
-/// The canvas, width and height in pixels, that suits libraries where no size is asked for: 1000 × 1000;
-/// for a single periodic drawing some whole periods, at least two along each axis, about as large.
-pub fn default_size(libraries: &[Library]) -> [u32; 2] {
-    let SynthParams { width, height, .. } = SynthParams::default();
-    match libraries {
-        [library] if is_drawing(library) && library.arrangement.periodic => {
-            let [w, h] = library.page();
-            let whole = |about: u32, side: f64| {
-                libm::round(side * libm::round(f64::from(about) / side).max(2.0)) as u32
-            };
-            [whole(width, w), whole(height, h)]
-        }
-        _ => [width, height],
-    }
 }
 
 /// The parameters, with overlaps refused if all exemplars are drawings without touching elements.

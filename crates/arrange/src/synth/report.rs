@@ -129,7 +129,8 @@ impl CategoryReport {
 impl SynthReport {
     /// The report of any scene, given the coverage of its categories, without figures of placement.
     pub(super) fn of_scene(libraries: &[Library], scene: &Scene, categories: Vec<CategoryReport>) -> Self {
-        let sum = |of: fn(&CategoryReport) -> f64| categories.iter().map(of).sum::<f64>();
+        // An empty sum of floats is -0; folding from 0 avoids it.
+        let sum = |of: fn(&CategoryReport) -> f64| categories.iter().map(of).fold(0.0, |sum, v| sum + v);
         Self {
             coverage_wanted: sum(|c| c.wanted),
             coverage: sum(|c| c.got),

@@ -12,7 +12,7 @@ use vtex_base::error::{Error, Result};
 use vtex_base::geometry::Affine;
 use vtex_base::progress::Progress;
 use vtex_field::correspondence::PagesMemory;
-use vtex_scene::library::{Library, SourceKind};
+use vtex_scene::library::{CategoryId, Library, SourceKind};
 use vtex_scene::scene::{Domain, Method, Scene, SynthParams};
 
 /// Number of pixels of a canvas above which drawings have fewer pixels per unit.
@@ -64,6 +64,9 @@ fn synthesized(
     let libraries = kept.as_deref().unwrap_or(libraries);
     let controls = &*anew(libraries, params, controls)?;
     let (scene, report) = made(libraries, params, controls, memory, progress)?;
+    if let Some(warning) = no_elements(libraries, &scene) {
+        progress.warn(&warning);
+    }
     let scene = match &controls.context {
         Some(context) => with_drawing(scene, &context.drawing),
         None => scene,
@@ -88,13 +91,39 @@ fn anew<'a>(
 
 /// The libraries without the categories of some names; `None` if all stay as they are.
 fn excluding(libraries: &[Library], names: &[String], progress: &dyn Progress) -> Option<Vec<Library>> {
-    let known: Vec<String> = libraries.iter().flat_map(Library::category_names).collect();
-    for name in names.iter().filter(|name| !known.contains(name)) {
-        progress.warn(&format!("there is no category '{name}' to exclude"));
+    let known: Vec<Vec<String>> = libraries.iter().map(Library::category_names).collect();
+    let is_known = |name: &String| known.iter().any(|own| CategoryId::find(own, name).is_some());
+    for name in names.iter().filter(|name| !is_known(name)) {
+        progress.warn(&format!("there is no category '{name}' to exclude; {}", those_known(&known.concat())));
     }
-    let is_known = names.iter().any(|name| known.contains(name));
     let kept = |library: &Library| library.excluding(names).unwrap_or_else(|| library.clone());
-    is_known.then(|| libraries.iter().map(kept).collect())
+    names.iter().any(is_known).then(|| libraries.iter().map(kept).collect())
+}
+
+/// The names of categories, in a sentence.
+fn those_known(names: &[String]) -> String {
+    const MOST: usize = 20;
+    let shown = names.iter().take(MOST).map(String::as_str).collect::<Vec<_>>().join(", ");
+    match names.len() {
+        0 => "the library has none".into(),
+        1..=MOST => format!("known are {shown}"),
+        all => format!("known are {shown} and {} more", all - MOST),
+    }
+}
+
+/// A warning about a texture without elements, of libraries that have some; `None` otherwise.
+fn no_elements(libraries: &[Library], scene: &Scene) -> Option<String> {
+    let elements = libraries.iter().flat_map(|library| &library.elements);
+    let (all, cut) = elements.fold((0, 0), |(all, cut), e| (all + 1, cut + usize::from(e.clipped)));
+    if all == 0 || scene.individuals().next().is_some() {
+        return None;
+    }
+    let why = if cut == all {
+        ": the border cuts all of them, and this method places whole ones only"
+    } else {
+        ", and none has been placed"
+    };
+    Some(format!("the texture has no elements; the library has {all}{why}"))
 }
 
 /// The scene without the drawing that it may be made beside.
@@ -116,7 +145,8 @@ fn made(
     }
     let scale = scale(libraries, params);
     let own: Vec<Library> = libraries.iter().map(|library| library.at_scale(scale).into_owned()).collect();
-    let canvas = canvas(&own, params, scale, period);
+    let whole = if period { whole_periods(&libraries[0], params) } else { [false; 2] };
+    let canvas = canvas(&own, params, scale, whole);
     let spacing = |v: f64| (v * mean(scale)).clamp(4.0, 1000.0);
     let on_pixels = SynthParams {
         width: canvas[0],
@@ -136,9 +166,8 @@ fn made(
     };
     let (scene, mut report) = in_pixels(&own, &on_pixels, &steered, memory, progress)
         .map_err(|error| in_units(error, params, scale))?;
-    // A period that repeats without a seam is stretched with the canvas; otherwise copies would not meet. So are curves
-    // that go on from others.
-    let exact = period && params.tile.any() || controls.context.is_some();
+    // Whole periods are stretched with the canvas; otherwise copies would not meet. So are curves that go on from others.
+    let exact = whole.contains(&true) || controls.context.is_some();
     let elements = if exact { places } else { scale };
     let scene = scene.scaled(size, elements.map(|v| 1.0 / v));
     let given = |p: SynthParams| SynthParams {
@@ -178,19 +207,30 @@ fn scale(libraries: &[Library], params: &SynthParams) -> [f64; 2] {
     scale.map(|v| v / part)
 }
 
-/// The canvas in pixels. Along axes along which a period repeats, it is a whole number of periods long.
-fn canvas(own: &[Library], params: &SynthParams, scale: [f64; 2], period: bool) -> [u32; 2] {
-    let side = |size: u32, scale: f64, tile: bool, pixels: u32| {
+/// The axes along which the canvas is a whole number of periods long, but for its rounding: those that tile, and both
+/// where its page says how long it is.
+fn whole_periods(library: &Library, params: &SynthParams) -> [bool; 2] {
+    let period = library.page();
+    let fits = |size: u32, k: usize| {
+        let rest = f64::from(size) / period[k];
+        libm::round(rest) >= 1.0 && (rest - libm::round(rest)).abs() * period[k] <= 0.5
+    };
+    let shown = params.page.is_some() && fits(params.width, 0) && fits(params.height, 1);
+    [params.tile.x || shown, params.tile.y || shown]
+}
+
+/// The canvas in pixels; along the axes of `whole`, it is a whole number of periods long.
+fn canvas(own: &[Library], params: &SynthParams, scale: [f64; 2], whole: [bool; 2]) -> [u32; 2] {
+    let side = |size: u32, scale: f64, whole: bool, period: u32| {
         let exact = f64::from(size) * scale;
-        let whole = f64::from(pixels);
-        let side =
-            if period && tile { libm::round(exact / whole).max(1.0) * whole } else { libm::round(exact) };
+        let period = f64::from(period);
+        let side = if whole { libm::round(exact / period).max(1.0) * period } else { libm::round(exact) };
         (side as u32).max(1)
     };
     let source = &own[0].source;
     [
-        side(params.width, scale[0], params.tile.x, source.width),
-        side(params.height, scale[1], params.tile.y, source.height),
+        side(params.width, scale[0], whole[0], source.width),
+        side(params.height, scale[1], whole[1], source.height),
     ]
 }
 
@@ -255,7 +295,9 @@ mod tests {
             let (plain, _) = made(&[], &());
             let (other, _) = made(&["no such".into()], &warnings);
             assert_eq!(other.elements, plain.elements);
-            assert_eq!(*warnings.0.lock().unwrap(), ["there is no category 'no such' to exclude"]);
+            let said = warnings.0.lock().unwrap().concat();
+            assert!(said.starts_with("there is no category 'no such' to exclude; known are "), "{said}");
+            assert!(names.iter().all(|name| said.contains(name.as_str())), "{said}");
             let (empty, _) = made(&names, &());
             assert!(empty.primary().is_empty());
         }

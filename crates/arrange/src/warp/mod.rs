@@ -59,7 +59,8 @@ pub fn warp(
     let [width, height] = bend.canvas();
     let edge = warp.edge.or(scene.domain.as_ref().map(|d| d.edge)).unwrap_or(before.edge);
     let seed = warp.seed.unwrap_or(before.seed);
-    let params = SynthParams { width, height, seed, edge, tile: Tile::default(), ..before.clone() };
+    let page = scene.page_of([width, height]);
+    let params = SynthParams { width, height, page, seed, edge, tile: Tile::default(), ..before.clone() };
     params.validate()?;
     check_canvas(&params)?;
     let (libraries, scene) = carried::matched(scene, libraries)?;
@@ -96,6 +97,7 @@ pub fn warp(
     let blank = Scene {
         width,
         height,
+        page,
         tile: Tile::default(),
         program: vtex_base::PROGRAM.into(),
         domain: controls.domain.clone().map(|outline| Domain { outline, edge }),

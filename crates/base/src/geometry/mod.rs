@@ -5,6 +5,7 @@ mod arc_samples;
 pub mod assign;
 mod cage;
 pub mod coherence;
+mod convex;
 mod curve;
 pub mod dense;
 pub mod displace;
@@ -29,6 +30,7 @@ mod trace;
 
 pub use assign::{Table, assign};
 pub use cage::Cage;
+pub use convex::{ConvexPolygon, closed_rings};
 pub use curve::Curve;
 pub use fit::fitted_curve;
 pub use fitted_map::{FittedMap, Scale};

@@ -25,6 +25,43 @@ pub fn distinct(colours: &[Colour]) -> Vec<String> {
     names
 }
 
+/// Least ratio of sizes that names mention, and the difference of lightness in Oklab that is as clear.
+const SIZE_STEP: f64 = 2.0;
+const LIGHTNESS_STEP: f64 = 0.1;
+
+/// A different name for each thing of a colour and a size, above 0. Where several have the same plain name, two or three
+/// are distinguished by size if it is clear and clearer than lightness, else as by [`distinct`]; more are numbered in
+/// their order.
+pub fn distinct_sized(things: &[(Colour, f64)]) -> Vec<String> {
+    let words: Vec<String> = things.iter().map(|thing| name(thing.0)).collect();
+    let mut names = words.clone();
+    for word in &words {
+        let twins: Vec<usize> = (0..words.len()).filter(|&i| words[i] == *word).collect();
+        let mut by_size = twins.clone();
+        by_size.sort_by(|&a, &b| things[b].1.total_cmp(&things[a].1));
+        let sizes: &[&str] = match twins.len() {
+            1 => continue,
+            2 => &["large", "small"],
+            3 => &["large", "medium", "small"],
+            _ => &[],
+        };
+        let mut lightness: Vec<f64> = twins.iter().map(|&i| things[i].0.to_oklab()[0].into()).collect();
+        lightness.sort_by(f64::total_cmp);
+        let least = |steps: &mut dyn Iterator<Item = f64>| steps.fold(f64::INFINITY, f64::min);
+        let ratio = least(&mut by_size.windows(2).map(|pair| things[pair[0]].1 / things[pair[1]].1));
+        let shade = least(&mut lightness.windows(2).map(|pair| (pair[1] - pair[0]) / LIGHTNESS_STEP));
+        if !sizes.is_empty() && ratio >= SIZE_STEP && libm::log(ratio) / libm::log(SIZE_STEP) >= shade {
+            by_size.iter().zip(sizes).for_each(|(&i, size)| names[i] = format!("{size} {word}"));
+        } else if sizes.is_empty() {
+            twins.iter().enumerate().for_each(|(n, &i)| names[i] = format!("{word} {}", n + 1));
+        } else {
+            let colours: Vec<Colour> = twins.iter().map(|&i| things[i].0).collect();
+            twins.iter().zip(distinct(&colours)).for_each(|(&i, name)| names[i] = name);
+        }
+    }
+    names
+}
+
 /// A plain name for a colour, by its lightness, chroma and hue in Oklab.
 pub fn name(colour: Colour) -> String {
     let [lightness, a, b] = colour.to_oklab();
@@ -146,5 +183,21 @@ mod tests {
         assert_eq!(of(&[130, 120, 140]), ["grey", "darker grey", "lighter grey"]);
         assert_eq!(of(&[130, 120, 140, 110]), ["grey 3", "grey 2", "grey 4", "grey 1"]);
         assert_eq!(of(&[130, 130]), ["darker grey", "lighter grey"]);
+    }
+
+    #[test]
+    fn names_of_things_differ_by_size_first() {
+        let of = |things: &[(u8, f64)]| {
+            distinct_sized(&things.iter().map(|&(v, size)| (Colour([v; 3]), size)).collect::<Vec<_>>())
+        };
+        assert_eq!(of(&[(120, 10.0), (130, 90.0), (250, 1.0)]), ["small grey", "large grey", "white"]);
+        assert_eq!(of(&[(120, 9.0), (120, 3.0), (120, 1.0)]), ["large grey", "medium grey", "small grey"]);
+        assert_eq!(of(&[(140, 10.0), (120, 11.0)]), ["lighter grey", "darker grey"]);
+        assert_eq!(of(&[(150, 21.0), (90, 10.0)]), ["lighter grey", "darker grey"]);
+        assert_eq!(
+            of(&[(140, 9.0), (120, 1.0), (130, 3.0), (135, 5.0)]),
+            ["grey 1", "grey 2", "grey 3", "grey 4"]
+        );
+        assert!(of(&[]).is_empty());
     }
 }

@@ -1,8 +1,11 @@
 //! Decoding of common image formats, within limits.
 
+use super::profile::ColourProfile;
+use super::tiff_tags::{Inks, TiffTags, divide_by_alpha};
+use super::{foreign, jpeg};
 use crate::error::{Error, Large, Result, check};
 use image::metadata::Orientation;
-use image::{DynamicImage, ImageDecoder, ImageError, ImageReader};
+use image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageError, ImageFormat, ImageReader, RgbImage};
 use std::io::{Cursor, ErrorKind};
 
 /// Default limit of an image's width and height, in pixels.
@@ -24,21 +27,68 @@ impl Default for Limits {
     }
 }
 
-/// Decodes a PNG, JPEG, TIFF, WebP, BMP, GIF or PNM image; the format is detected from the content.
+/// Whether content is a picture by its first bytes, of a format that is read or of another.
+pub fn is_picture(bytes: &[u8]) -> bool {
+    image::guess_format(bytes).is_ok() || foreign::format(bytes).is_some()
+}
+
+/// Decodes a PNG, JPEG, TIFF, WebP, BMP, GIF or PNM image of data, such as a mask or a map of heights: samples are as
+/// they are stored. The format is detected from the content.
 /// Only the first frame of an animation is used. Also returns the EXIF orientation, not yet applied.
 /// `kept` is the number of bytes per pixel that the caller keeps besides the decoded image, and
 /// again while applying the orientation.
 ///
 /// # Errors
-/// [`Error::Decode`] if the bytes are no image or damaged, [`Error::TooLarge`] beyond `limits`.
+/// [`Error::Decode`] if the bytes are no image or damaged, [`Error::OtherFormat`] for a picture of another kind,
+/// [`Error::TooLarge`] beyond `limits`.
 pub fn decode(bytes: &[u8], name: &str, limits: &Limits, kept: u64) -> Result<(DynamicImage, Orientation)> {
+    decoded(bytes, name, limits, kept, None)
+}
+
+/// Decodes an image of colours as [`decode`] does, and converts them to sRGB from their ICC profile, or what a PNG says
+/// of them. Profiles that change no colour by more than a step of 8 bits are left out; those that cannot be applied are
+/// a warning.
+///
+/// # Errors
+/// Those of [`decode`].
+pub fn decode_colours(
+    bytes: &[u8],
+    name: &str,
+    limits: &Limits,
+    kept: u64,
+    warnings: &mut Vec<String>,
+) -> Result<(DynamicImage, Orientation)> {
+    decoded(bytes, name, limits, kept, Some(warnings))
+}
+
+/// Decodes an image; with `warnings` one of colours.
+fn decoded(
+    bytes: &[u8],
+    name: &str,
+    limits: &Limits,
+    kept: u64,
+    warnings: Option<&mut Vec<String>>,
+) -> Result<(DynamicImage, Orientation)> {
     let fail = |reason: String| Error::Decode { name: name.into(), reason };
+    let other = |format: String| Err(Error::OtherFormat { name: name.into(), format });
     if bytes.is_empty() {
         return Err(fail("the file is empty".into()));
+    }
+    if let Some(format) = foreign::format(bytes) {
+        return other(format.into());
     }
     let mut reader =
         ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|e| fail(e.to_string()))?;
     let Some(format) = reader.format() else { return Err(fail("its format is not known".into())) };
+    let mut tags = (format == ImageFormat::Tiff).then(|| TiffTags::new(bytes)).flatten();
+    let unread = match (format, &mut tags) {
+        (ImageFormat::Jpeg, _) => jpeg::unread(bytes).map(String::from),
+        (_, Some(tags)) => tags.unread(),
+        _ => None,
+    };
+    if let Some(format) = unread {
+        return other(format);
+    }
     // Limits are checked below, where the error can name them. Decoders get the memory limit as well,
     // for their own buffers.
     let mut inner = image::Limits::no_limits();
@@ -57,16 +107,78 @@ pub fn decode(bytes: &[u8], name: &str, limits: &Limits, kept: u64) -> Result<(D
     let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);
     let pixels = u64::from(width) * u64::from(height);
     let copies = 1 + u64::from(orientation != Orientation::NoTransforms);
-    let needed = decoder.total_bytes().saturating_add(pixels * kept * copies);
+    let inks = match decoder.original_color_type() {
+        ExtendedColorType::Cmyk8 => 4,
+        ExtendedColorType::Cmyk16 => 8,
+        _ if format == ImageFormat::Jpeg && jpeg::has_inks(bytes) => 4,
+        _ => 0,
+    };
+    let needed = decoder.total_bytes().saturating_add(pixels * (kept * copies + inks));
     if needed > limits.memory {
         let mebibytes = |n: u64| format!("{} MiB of memory", n.div_ceil(1 << 20));
         return Err(too_large(mebibytes(needed), mebibytes(limits.memory)));
     }
-    if format == image::ImageFormat::Jpeg && !jpeg_is_whole(bytes) {
+    if format == ImageFormat::Jpeg && !jpeg::is_whole(bytes) {
         return Err(fail("the file ends in the middle of the picture".into()));
     }
-    let decoded = DynamicImage::from_decoder(decoder).map_err(|e| fail(reason(&e)))?;
-    Ok((decoded, orientation))
+    let profile = warnings.is_some().then(|| profile(&mut decoder, tags.as_mut(), bytes)).flatten();
+    let mut fault = None;
+    if let (1.., Some(Ok(profile))) = (inks, &profile) {
+        if !profile.is_for_inks() {
+            fault = Some("is not for CMYK as the picture is");
+        } else if let Some(rgb) = colours_of_inks(profile, bytes, tags.take(), [width, height], limits) {
+            return Ok((rgb.into(), orientation));
+        }
+    }
+    let mut image = DynamicImage::from_decoder(decoder).map_err(|e| fail(reason(&e)))?;
+    if tags.is_some_and(|mut tags| tags.has_associated_alpha()) {
+        divide_by_alpha(&mut image);
+    }
+    match profile {
+        Some(Ok(profile)) if fault.is_none() && !profile.is_srgb() => match profile.converted(&mut image) {
+            Ok(()) => {}
+            Err(why) => fault = Some(why),
+        },
+        Some(Err(why)) => fault = Some(why),
+        _ => {}
+    }
+    if let (Some(why), Some(warnings)) = (fault, warnings) {
+        warnings.push(format!("the picture's colour profile {why}: its colours are taken as sRGB"));
+    }
+    Ok((image, orientation))
+}
+
+/// What a file says of its colours, or what is wrong with that.
+fn profile(
+    decoder: &mut impl ImageDecoder,
+    tags: Option<&mut TiffTags<'_>>,
+    bytes: &[u8],
+) -> Option<Result<ColourProfile, &'static str>> {
+    let icc = match tags {
+        // `image` reads no profile that is larger than a small picture.
+        Some(tags) => tags.icc_profile(),
+        None => decoder.icc_profile().ok().flatten(),
+    };
+    ColourProfile::of_png(bytes).or_else(|| icc.map(|icc| ColourProfile::from_icc(&icc)))
+}
+
+/// The colours of a picture of inks; `None` if it is damaged.
+fn colours_of_inks(
+    profile: &ColourProfile,
+    bytes: &[u8],
+    tags: Option<TiffTags<'_>>,
+    size: [u32; 2],
+    limits: &Limits,
+) -> Option<RgbImage> {
+    let inks = match tags {
+        Some(tags) => tags.inks(limits.memory)?,
+        None => Inks::Of8Bits(jpeg::inks(bytes)?),
+    };
+    let count = 4 * size[0] as usize * size[1] as usize;
+    match inks {
+        Inks::Of8Bits(inks) => (inks.len() == count).then(|| profile.of_inks(&inks, size)),
+        Inks::Of16Bits(inks) => (inks.len() == count).then(|| profile.of_inks(&inks, size)),
+    }
 }
 
 /// The message of a decoder in plain words: decoders print their own types.
@@ -83,24 +195,6 @@ fn reason(error: &ImageError) -> String {
     if text.contains(types) { "its data are damaged".into() } else { text }
 }
 
-/// Whether a JPEG's image data is followed by an end marker. Without it the decoder fills the missing
-/// part with grey and reports no error.
-fn jpeg_is_whole(bytes: &[u8]) -> bool {
-    // Segments before the image data, such as a thumbnail, may contain end markers of their own.
-    let mut rest = bytes.get(2..).unwrap_or_default();
-    while let [0xff, kind, after @ ..] = rest {
-        match (kind, after) {
-            (0xda, _) => break,
-            (0xff, _) => rest = &rest[1..],
-            (_, [high, low, ..]) => {
-                let length = usize::from(u16::from_be_bytes([*high, *low]));
-                rest = after.get(length..).unwrap_or_default();
-            }
-            _ => return false,
-        }
-    }
-    rest.windows(2).rev().any(|w| w == [0xff, 0xd9])
-}
 /// Refuses canvases without pixels, and those with a side beyond [`LARGEST_SIDE`].
 ///
 /// # Errors
@@ -118,3 +212,6 @@ pub fn check_size([width, height]: [usize; 2]) -> Result<()> {
         limit: format!("{LARGEST_SIDE} pixels on each side"),
     })
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,21 +1,21 @@
 //! Pictures as opaque colours of 8 bits.
 
-use super::{Limits, decode};
+use super::{Limits, decode_colours};
 use crate::error::Result;
 use image::{DynamicImage, GrayAlphaImage, RgbImage, RgbaImage};
 
-/// Decodes a picture as [`decode`] does and lays it over white, with its EXIF rotation applied. 16-bit samples are
+/// Decodes a picture as [`decode_colours`] does and lays it over white, with its EXIF rotation applied. 16-bit samples are
 /// rounded to 8 bits, grey and CMYK are converted to RGB.
 ///
 /// # Errors
-/// Those of [`decode`].
+/// Those of [`decode_colours`].
 pub fn decode_over_white(
     bytes: &[u8],
     name: &str,
     limits: &Limits,
     warnings: &mut Vec<String>,
 ) -> Result<RgbImage> {
-    let (decoded, orientation) = decode(bytes, name, limits, 3)?;
+    let (decoded, orientation) = decode_colours(bytes, name, limits, 3, warnings)?;
     let mut rgb = DynamicImage::ImageRgb8(over_white(decoded, warnings));
     rgb.apply_orientation(orientation);
     Ok(rgb.into_rgb8())

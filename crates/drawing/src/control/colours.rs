@@ -1,7 +1,6 @@
 //! Pictures → maps of colours.
 
 use super::picture;
-use image::DynamicImage;
 use vtex_base::error::{Error, Result};
 use vtex_base::raster::ControlMap;
 use vtex_base::raster::colour::Colour;
@@ -22,13 +21,12 @@ impl ColourMap {
     }
 }
 
-/// Reads a picture as a map of its colours. Large pictures are averaged down. `name` appears in errors.
+/// Reads a picture as a map of its colours, which its colour profile says if it has one. Large pictures are averaged down. `name` appears in errors.
 ///
 /// # Errors
 /// [`Error::Decode`], [`Error::TooLarge`]; [`Error::Control`] for a picture without pixels.
 pub fn colours(bytes: &[u8], name: &str) -> Result<ColourMap> {
-    let image: DynamicImage = picture::read(bytes, name)?;
-    let image = picture::colours(&image);
+    let image = picture::read_colours(bytes, name)?;
     let (width, height) = (image.width(), image.height());
     let channel = |k: usize| {
         let map = picture::map(width, height, |x, y| {

@@ -15,16 +15,28 @@ pub(super) fn grey(image: &DynamicImage) -> Grey {
     image.to_luma_alpha16()
 }
 
-/// Decodes a picture and applies its EXIF rotation.
+/// Decodes a picture of data and applies its EXIF rotation.
 ///
 /// # Errors
-/// [`vtex_base::Error::Decode`] if the bytes are no image or damaged, [`vtex_base::Error::TooLarge`] beyond
-/// the default [`Limits`].
+/// [`vtex_base::Error::Decode`] if the bytes are no image or damaged, [`vtex_base::Error::OtherFormat`] for a picture of
+/// another kind, [`vtex_base::Error::TooLarge`] beyond the default [`Limits`].
 pub(super) fn read(bytes: &[u8], name: &str) -> Result<DynamicImage> {
     // 8 bytes per pixel at most: grey and opacity of 16 bits, or colour and opacity of 8.
     let (mut image, orientation) = raster::decode(bytes, name, &Limits::default(), 4)?;
     image.apply_orientation(orientation);
     Ok(image)
+}
+
+/// Decodes a picture of colours as [`read`] does, in sRGB.
+///
+/// # Errors
+/// Those of [`read`].
+pub(super) fn read_colours(bytes: &[u8], name: &str) -> Result<RgbaImage> {
+    // A map has no place for warnings: colours that cannot be converted are as they are stored.
+    let (mut image, orientation) =
+        raster::decode_colours(bytes, name, &Limits::default(), 4, &mut Vec::new())?;
+    image.apply_orientation(orientation);
+    Ok(colours(&image))
 }
 
 /// Converts a picture to 8-bit colours and opacity.

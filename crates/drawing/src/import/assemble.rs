@@ -5,7 +5,7 @@
 
 use super::ImportParams;
 use super::categories::categorise;
-use super::clip::{Clip, page as page_of};
+use super::clip::page as page_of;
 use super::elements::{NEAREST, PieceProperties, elements};
 use super::motifs::{MotifSource, motifs};
 use super::offsets::{Offsets, Shift, minus};
@@ -18,7 +18,7 @@ use kurbo::Shape as _;
 use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
 use vtex_base::error::{Error, Large, Result};
-use vtex_base::geometry::{Affine, Outline, edges};
+use vtex_base::geometry::{Affine, ConvexPolygon, Outline, Rect};
 use vtex_base::parallel;
 use vtex_base::progress::{Progress, advance};
 use vtex_base::raster::colour::Colour;
@@ -41,10 +41,6 @@ const ENLARGED: f64 = 1600.0;
 const CELLS: f64 = 8.0;
 /// Distance by which shapes cut at a border reach beyond it, in pixels, so that copies leave no gap.
 const UNDERLAP: f64 = 0.4;
-/// Distance from a border up to which a shape ends there, as a share of the page's longer side.
-const ON_BORDER: f64 = 3e-4;
-/// Length of an edge along a border from which it was cut there, in units of that distance.
-const ALONG_BORDER: f64 = 8.0;
 /// Least share of the page that a background covers.
 const COVERS: f64 = 0.995;
 
@@ -76,8 +72,10 @@ const AT_ONCE: usize = 1024;
 /// [`Error::TooLarge`] for pieces that cover the page too often.
 pub(super) fn scale(page: &DrawingPage, pieces: &[DrawingPiece], name: &str) -> Result<[u32; 2]> {
     let [short, long] = [page.size[0].min(page.size[1]), page.size[0].max(page.size[1])];
-    let on_page = || pieces.iter().filter(|p| !page.is_beside(p)).map(DrawingPiece::bounds);
-    let mut extents: Vec<f64> = on_page()
+    let mut extents: Vec<f64> = pieces
+        .iter()
+        .filter(|p| !page.is_beside(p))
+        .map(DrawingPiece::bounds)
         .filter(|b| b.width() < 0.9 * page.size[0] || b.height() < 0.9 * page.size[1])
         .map(|b| libm::sqrt(b.width().max(1e-6) * b.height().max(1e-6)))
         .collect();
@@ -102,14 +100,14 @@ pub(super) fn scale(page: &DrawingPage, pieces: &[DrawingPiece], name: &str) -> 
 
 /// The colour of the page, and the pieces on it. Without a background, the page is white.
 pub(super) fn background(page: &DrawingPage, pieces: Vec<DrawingPiece>) -> (Colour, Vec<DrawingPiece>) {
-    let clip = Clip::rect(page_of(page.size));
+    let clip = ConvexPolygon::rect(page_of(page.size));
     let whole = page.size[0] * page.size[1];
     let covers = |piece: &DrawingPiece| {
         let [part] = &piece.parts[..] else { return false };
         let plain = part.stroke.is_none() && part.paint.gradient.is_none() && part.paint.opacity >= 1.0;
         let b = part.path.bounding_box();
         let wide = b.width() >= COVERS * page.size[0] && b.height() >= COVERS * page.size[1];
-        plain && wide && clip.apply(&part.path).area().abs() >= COVERS * whole
+        plain && wide && clip.clipped(&part.path).area().abs() >= COVERS * whole
     };
     match pieces.iter().rposition(covers) {
         Some(k) => (pieces[k].parts[0].paint.colour, pieces.into_iter().skip(k + 1).collect()),
@@ -396,25 +394,11 @@ fn mask(shapes: &[Shape], size: [f64; 2]) -> Mask {
 /// Whether the border of a page that ends cuts shapes: they have an edge along it, run across the page, or their `middle`
 /// lies beside it. Shapes that go on beyond the border are whole as they were drawn.
 fn is_cut(shapes: &[Shape], middle: [f64; 2], size: [f64; 2]) -> bool {
-    let near = ON_BORDER * size[0].max(size[1]);
-    let ends = |shape: &Shape| {
-        let b = shape.outline.bounds();
-        let (low, high) = ([b.x0, b.y0], [b.x1, b.y1]);
-        let across = (0..2).any(|k| low[k] < near && high[k] > size[k] - near);
-        let meets = |border: f64, k: usize| (low[k] - border).abs() < near || (high[k] - border).abs() < near;
-        let borders = (0..2).flat_map(|k| [(0.0, k), (size[k], k)]).filter(|(border, k)| meets(*border, *k));
-        across || borders.into_iter().any(|(border, k)| has_edge_along(&shape.outline, k, border, near))
-    };
-    shapes.iter().any(ends) || (0..2).any(|k| !(0.0..size[k]).contains(&middle[k]))
-}
-
-/// Whether an outline has an edge along a border across axis `k`.
-fn has_edge_along(outline: &Outline, k: usize, border: f64, near: f64) -> bool {
-    edges(outline.path().iter(), near).into_iter().any(|[a, b]| {
-        let [from, to] = [[a.x, a.y], [b.x, b.y]];
-        let on = |p: [f64; 2]| (p[k] - border).abs() < near;
-        on(from) && on(to) && (to[1 - k] - from[1 - k]).abs() > ALONG_BORDER * near
-    })
+    let torus = Torus::new(size);
+    let is_beside = (0..2).any(|k| !(0.0..size[k]).contains(&middle[k]));
+    let runs_across = |b: Rect| b.x0 <= 0.0 && b.x1 >= size[0] || b.y0 <= 0.0 && b.y1 >= size[1];
+    let ends = |s: &Shape| runs_across(s.outline.bounds()) || torus.is_cut(s.outline.path());
+    is_beside || shapes.iter().any(ends)
 }
 
 fn paint(labels: &mut LabelMap, mask: &Mask, label: u32, wrap: bool) {

@@ -12,8 +12,8 @@ const ALIKE: f64 = 0.7;
 /// Factor by which that distance grows while there are too many categories.
 const WIDER: f64 = 1.3;
 
-/// Gives each element its category. There are at most `most` categories, the largest first. `shares` are the
-/// shares of the page that elements cover.
+/// Gives each element its category. There are at most `most` categories, that which covers most first. `shares` are
+/// the shares of the page that elements cover.
 pub(super) fn categorise(elements: &mut [ExemplarElement], shares: &[f64], most: usize) -> Vec<Category> {
     let features: Vec<Features> = elements.iter().map(features).collect();
     let mut reach = ALIKE;
@@ -26,8 +26,10 @@ pub(super) fn categorise(elements: &mut [ExemplarElement], shares: &[f64], most:
     let count = of.iter().max().map_or(0, |m| m + 1);
     let mut members = vec![0u32; count];
     of.iter().for_each(|&c| members[c] += 1);
+    let mut covered = vec![0.0; count];
+    of.iter().zip(shares).for_each(|(&c, share)| covered[c] += share);
     let mut order: Vec<usize> = (0..count).collect();
-    order.sort_by_key(|&c| (std::cmp::Reverse(members[c]), c));
+    order.sort_by(|&a, &b| covered[b].total_cmp(&covered[a]).then(a.cmp(&b)));
     let mut id = vec![0; count];
     order.iter().enumerate().for_each(|(new, &old)| id[old] = new);
     let mut categories = vec![Category { name: None, centre: [0.0; 5], members: 0, coverage: 0.0 }; count];

@@ -31,6 +31,7 @@ mod torus;
 
 pub use vtex_scene::library::Grouping;
 
+pub use crate::line_art::shows_lines;
 use crate::{line_art, svg_tree};
 use assemble::{DrawingOrigin, assemble};
 use read::DrawingPage;
@@ -57,11 +58,12 @@ pub fn is_drawing(bytes: &[u8]) -> bool {
 }
 
 /// Reads an SVG or SVGZ, or a picture of lines where `kind` says so, as a library. `name` appears in errors and in the
-/// library. Nothing outside the file is ever loaded. A drawing that has only a background is permitted: its library has no primaries and a
-/// warning.
+/// library. Nothing outside the file is ever loaded. A drawing that has only a background is permitted: its library has no
+/// primaries and a warning.
 ///
 /// # Errors
-/// [`vtex_base::Error::Control`] for what is no SVG, for a page beyond a million units, and, unless
+/// [`vtex_base::Error::Control`] for what is no SVG, or one that takes too much to parse ([`svg_tree::tree`]) or to draw
+/// ([`svg_tree::draw`]), for a page beyond a million units, and, unless
 /// `lenient`, for raster images, filters, masks, blend modes, pattern fills and clip paths that are not
 /// convex polygons; [`vtex_base::Error::TooLarge`] beyond 64 MiB, 400 000 XML elements or 100 000 shapes, or
 /// for shapes that together paint more than a gigapixel where the page has 200 px;

@@ -6,7 +6,7 @@ use super::shapes::shapes;
 use crate::svg_tree::{self, SvgFault};
 use image::{Rgb, RgbImage};
 use resvg::usvg::Transform;
-use vtex_base::geometry::Affine;
+use vtex_base::geometry::{Affine, ConvexPolygon, Outline, Rect};
 use vtex_base::raster::colour::Colour;
 use vtex_scene::scene::pixels;
 
@@ -32,7 +32,7 @@ fn by_resvg(page: &DrawingPage, [width, height]: [u32; 2]) -> Result<RgbImage, S
     };
     pixmap.fill(tiny_skia::Color::WHITE);
     let [sx, sy] = [0, 1].map(|k| ([width, height][k] as f64 / page.size[k]) as f32);
-    svg_tree::draw(&page.tree, Transform::from_scale(sx, sy), &mut pixmap)?;
+    svg_tree::draw(&page.tree, Transform::from_scale(sx, sy), &mut pixmap, 1.0)?;
     Ok(RgbImage::from_fn(width, height, |x, y| {
         let p = pixmap.pixels()[(y * width + x) as usize];
         Rgb([p.red(), p.green(), p.blue()])
@@ -57,15 +57,17 @@ fn drawn(page: &DrawingPage, colour: Colour, pieces: &[DrawingPiece], [width, he
 }
 
 fn draw(picture: &mut RgbImage, piece: &DrawingPiece, map: Affine) {
+    let seen = Rect::new(0.0, 0.0, f64::from(picture.width()), f64::from(picture.height()));
+    let seen = ConvexPolygon::rect(seen);
     for shape in shapes(piece, map) {
-        let new = shape.colour.to_f64();
-        for (x, y) in pixels::mask(&shape.outline).pixels() {
+        // What leaves the page may cover many times as many pixels.
+        let Some(outline) = Outline::new(&seen.clipped(shape.outline.path())) else { continue };
+        let (new, opacity) = (shape.colour.to_f64(), shape.opacity);
+        for (x, y) in pixels::mask(&outline).pixels() {
             let (Ok(x), Ok(y)) = (u32::try_from(x), u32::try_from(y)) else { continue };
-            if let Some(Rgb(old)) = picture.get_pixel_mut_checked(x, y) {
-                for (old, new) in old.iter_mut().zip(new) {
-                    *old = libm::round(f64::from(*old) + (new - f64::from(*old)) * shape.opacity) as u8;
-                }
-            }
+            let Some(pixel) = picture.get_pixel_mut_checked(x, y) else { continue };
+            let mixed = |k: usize| (f64::from(pixel.0[k]) * (1.0 - opacity) + new[k] * opacity + 0.5) as u8;
+            *pixel = if opacity >= 1.0 { Rgb(shape.colour.0) } else { Rgb([mixed(0), mixed(1), mixed(2)]) };
         }
     }
 }

@@ -3,7 +3,6 @@
 //! A piece is an outer ring with what lies inside, turned so that the non-zero rule fills it as the path's
 //! own rule does.
 
-use super::clip::rings;
 use super::paint::DrawnPaint;
 use super::read::{DrawnFill, DrawnShape, DrawnStroke};
 use kurbo::{ParamCurve, PathSeg, Shape as _};
@@ -88,7 +87,7 @@ pub(super) fn pieces(number: usize, item: &DrawnShape, split: bool) -> Vec<Drawi
 }
 
 /// Each ring and open line of a path.
-fn subpaths(path: &BezPath) -> Vec<BezPath> {
+pub(super) fn subpaths(path: &BezPath) -> Vec<BezPath> {
     let split = path.elements().chunk_by(|_, next| !matches!(next, kurbo::PathEl::MoveTo(_)));
     split.map(|elements| BezPath::from_vec(elements.to_vec())).filter(|p| p.elements().len() > 1).collect()
 }
@@ -168,11 +167,6 @@ fn filled(path: &BezPath, fill: &DrawnFill, split: bool) -> Vec<BezPath> {
             within.flat_map(|ring| turned(ring, all[root].area)).collect()
         })
         .collect()
-}
-
-/// The rings of a path, as segments.
-pub(super) fn segments(path: &BezPath) -> Vec<Vec<PathSeg>> {
-    rings(path)
 }
 
 #[cfg(test)]

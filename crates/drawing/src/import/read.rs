@@ -2,15 +2,15 @@
 //!
 //! Unsupported parts are errors that name the element, or are left out and counted.
 
-use super::clip::{self, Clip};
+use super::clip;
 use super::paint::{self, DrawnPaint};
-use super::pieces::DrawingPiece;
+use super::pieces::{DrawingPiece, subpaths};
 use crate::svg_tree;
 use kurbo::Shape as _;
 use resvg::usvg::{self, roxmltree};
 use std::collections::{BTreeMap, BTreeSet};
 use vtex_base::error::{Error, Large, Result, clip_to};
-use vtex_base::geometry::{Affine, BezPath, Point};
+use vtex_base::geometry::{Affine, BezPath, ConvexPolygon, PathEl, Point};
 use vtex_base::progress::{Progress, advance};
 use vtex_scene::element::stroked;
 
@@ -22,8 +22,10 @@ const MOST_ITEMS: usize = 100_000;
 const MOST_NODES: usize = 400_000;
 /// Most lines and curves of a drawing.
 const MOST_SEGMENTS: usize = 10_000_000;
-/// Furthest coordinate of a shape, in widths of the page.
+/// Furthest coordinate of a shape with its stroke, in widths of the page.
 const FURTHEST: f64 = 100.0;
+/// Length of a piece of a stroked path up to which it is a dot, in widths of the stroke.
+const DOT: f64 = 0.02;
 /// Largest side of a page, in units of the drawing.
 const LARGEST_PAGE: f64 = 1e6;
 /// The namespace of SVG.
@@ -45,7 +47,7 @@ pub(super) struct DrawingPage {
     /// Whether parts were left out that the tree contains.
     pub(super) is_incomplete: bool,
     /// The drawing itself.
-    pub(super) tree: usvg::Tree,
+    pub(super) tree: svg_tree::SvgTree,
 }
 
 /// A group of shapes.
@@ -128,7 +130,8 @@ pub(super) fn read(bytes: &[u8], name: &str, lenient: bool, progress: &dyn Progr
     let tree = svg_tree::tree_with_images(&document).map_err(fail)?;
     let size = [tree.size().width(), tree.size().height()].map(f64::from);
     if size.iter().any(|v| !(1e-3..=LARGEST_PAGE).contains(v)) {
-        let reason = format!("its page has {} x {} units", size[0], size[1]);
+        // As 32-bit numbers they have no more digits than the drawing.
+        let reason = format!("its page has {} x {} units", tree.size().width(), tree.size().height());
         return Err(fault(name, reason, "scale it to between 0.001 and 1000000 units"));
     }
     advance(progress, "drawing", 0, 4)?;
@@ -137,7 +140,7 @@ pub(super) fn read(bytes: &[u8], name: &str, lenient: bool, progress: &dyn Progr
     reader.group(tree.root(), root, &[])?;
     let DrawingReader { items, groups, layers, counts, is_incomplete, .. } = reader;
     let warnings = counts.into_iter().map(|(what, n)| format!("{what} ({n})"));
-    let warnings = warnings.chain(texts(&document)).collect();
+    let warnings = warnings.chain(texts(&document)).chain(foreign(&document)).collect();
     let mut page = DrawingPage { size, items, counted: 0, groups, layers, warnings, is_incomplete, tree };
     page.count(false);
     Ok(page)
@@ -165,6 +168,15 @@ fn texts(document: &roxmltree::Document<'_>) -> Option<String> {
         n => format!(" and {n} more"),
     };
     Some(format!("the text '{}'{more} is left out: turn it into a path", clip_to(&words, 60)))
+}
+
+/// The message about foreign objects, such as HTML, which the tree of shapes leaves out; `None` if there are none.
+fn foreign(document: &roxmltree::Document<'_>) -> Option<String> {
+    match document.descendants().filter(|n| n.has_tag_name((SVG, "foreignObject"))).count() {
+        0 => None,
+        1 => Some("1 <foreignObject> is left out: turn it into paths".into()),
+        n => Some(format!("{n} <foreignObject> are left out: turn them into paths")),
+    }
 }
 
 struct DrawingReader<'a, 'd> {
@@ -242,7 +254,12 @@ impl<'a, 'd> DrawingReader<'a, 'd> {
         Err(Error::Undrawable { name: self.name.into(), reason: format!("the element{id} {what}") })
     }
 
-    fn group<'t>(&mut self, group: &'t usvg::Group, place: WalkState<'t>, clips: &[Clip]) -> Result<()> {
+    fn group<'t>(
+        &mut self,
+        group: &'t usvg::Group,
+        place: WalkState<'t>,
+        clips: &[ConvexPolygon],
+    ) -> Result<()> {
         let id = group.id();
         let opacity = place.opacity * f64::from(group.opacity().get());
         let map = svg_tree::within(place.map, group);
@@ -257,7 +274,7 @@ impl<'a, 'd> DrawingReader<'a, 'd> {
         }
         let mut clips = clips.to_vec();
         if let Some(path) = group.clip_path() {
-            match Clip::new(path, map) {
+            match clip::polygon(path, map) {
                 Some(clip) => clips.push(clip),
                 None => {
                     let what = "is clipped by something else than one convex polygon";
@@ -321,7 +338,7 @@ impl<'a, 'd> DrawingReader<'a, 'd> {
         self.layers.len() - 1
     }
 
-    fn path(&mut self, path: &usvg::Path, place: WalkState<'_>, clips: &[Clip]) -> Result<()> {
+    fn path(&mut self, path: &usvg::Path, place: WalkState<'_>, clips: &[ConvexPolygon]) -> Result<()> {
         advance(self.progress, "drawing", 0, 4)?;
         if self.items.len() >= MOST_ITEMS {
             return Err(too_many(self.name, self.items.len() + 1, MOST_ITEMS));
@@ -337,14 +354,6 @@ impl<'a, 'd> DrawingReader<'a, 'd> {
             });
         }
         let map = place.map;
-        let local = bezier(path.data());
-        let drawn = map * local.clone();
-        let far = FURTHEST * self.size[0].max(self.size[1]);
-        let b = drawn.bounding_box();
-        if ![b.x0, b.y0, b.x1, b.y1].iter().all(|v| v.abs() <= far) {
-            let what = "reaches further than a hundred pages away";
-            return self.unreadable(path.id(), what, "shapes that reach far beyond the page are left out");
-        }
         let of = |paint: &usvg::Paint, opacity: usvg::Opacity| {
             paint::paint(paint, place.opacity * f64::from(opacity.get()), map)
         };
@@ -372,23 +381,36 @@ impl<'a, 'd> DrawingReader<'a, 'd> {
             even_odd: path.fill().is_some_and(|f| f.rule() == usvg::FillRule::EvenOdd),
         });
         let stroke = painted.iter().find(|p| !p.0).and_then(|(_, p)| stroke(path.stroke()?, p.clone(), map));
+        let whole = bezier(path.data());
+        let far = FURTHEST * self.size[0].max(self.size[1]);
+        let reach = stroke.as_ref().map_or(0.0, |s| s.stroke.width / 2.0);
+        let b = (map * &whole).bounding_box().inflate(reach, reach);
+        if ![b.x0, b.y0, b.x1, b.y1].iter().all(|v| v.abs() <= far) {
+            let what = "reaches further than a hundred pages away";
+            return self.unreadable(path.id(), what, "shapes that reach far beyond the page are left out");
+        }
+        let (local, dots) = match &stroke {
+            Some(stroke) => stroke.apart_from_dots(&whole),
+            None => (whole, BezPath::new()),
+        };
+        let drawn = map * &local;
         let WalkState { group, layer, .. } = place;
         let new = |path, fill, stroke| DrawnShape { path, fill, stroke, group, layer, is_beside: false };
         let mut items = Vec::new();
         let cut = clips.iter().any(|clip| !clip.holds(inflated(&drawn, stroke.as_ref())));
         let plain = stroke.as_ref().is_none_or(|s| s.conformal) && !cut;
+        let solid = |s: &Stroked| Some(DrawnFill { paint: s.stroke.paint.clone(), even_odd: false });
+        let dots = stroke.as_ref().map(|s| new(map * dots, solid(s), None));
         if plain {
             items.push(new(drawn, fill, stroke.map(|s| s.stroke)));
         } else {
-            let line = stroke.map(|s| {
-                let fill = DrawnFill { paint: s.stroke.paint.clone(), even_odd: false };
-                new(map * s.expanded(&local), Some(fill), None)
-            });
+            let line = stroke.map(|s| new(map * s.expanded(&local), solid(&s), None));
             items.extend(fill.map(|fill| new(drawn, Some(fill), None)));
             items.extend(line);
-            for item in &mut items {
-                item.path = clips.iter().fold(std::mem::take(&mut item.path), |p, clip| clip.apply(&p));
-            }
+        }
+        items.extend(dots);
+        for item in &mut items {
+            item.path = clips.iter().fold(std::mem::take(&mut item.path), |p, clip| clip.clipped(&p));
         }
         let page = clip::page(self.size);
         let around = page.inflate(page.width(), page.height());
@@ -425,6 +447,26 @@ struct Stroked {
 }
 
 impl Stroked {
+    /// A path without its pieces that have no length to speak of, and what their caps paint: discs, squares, or nothing.
+    /// Programs store dots so.
+    fn apart_from_dots(&self, path: &BezPath) -> (BezPath, BezPath) {
+        let width = self.local.width;
+        let (mut lines, mut dots) = (BezPath::new(), BezPath::new());
+        for piece in subpaths(path) {
+            match (piece.elements(), self.local.start_cap) {
+                (_, _) if piece.perimeter(DOT * width) > DOT * width => lines.extend(piece),
+                ([PathEl::MoveTo(at), ..], kurbo::Cap::Round) => {
+                    dots.extend(kurbo::Circle::new(*at, width / 2.0).path_elements(1e-3 * width));
+                }
+                ([PathEl::MoveTo(at), ..], kurbo::Cap::Square) => {
+                    dots.extend(kurbo::Rect::from_center_size(*at, (width, width)).path_elements(width));
+                }
+                _ => {}
+            }
+        }
+        (lines, dots)
+    }
+
     /// The area that it paints, before the transform.
     fn expanded(&self, path: &BezPath) -> BezPath {
         let tolerance = 1e-3 * self.local.width.max(1e-6);

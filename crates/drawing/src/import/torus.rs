@@ -3,13 +3,13 @@
 //! Copies of a piece at opposite borders are one piece. Rings are cut at the stretches that run along
 //! borders, and their ends are linked to the ends at the same place of the opposite border.
 
-use super::clip::{Clip, page};
+use super::clip::page;
 use super::lines::Lines;
 use super::offsets::{Offsets, Shift, plus};
-use super::pieces::{DrawingPiece, PieceShape, segments};
+use super::pieces::{DrawingPiece, PieceShape};
 use kurbo::{PathSeg, Shape as _};
 use std::collections::BTreeMap;
-use vtex_base::geometry::{Affine, BezPath, Point, Rect, Vec2};
+use vtex_base::geometry::{Affine, BezPath, ConvexPolygon, Point, Rect, Vec2, closed_rings};
 
 /// Largest distance of places that count as equal, as a share of the page's larger side.
 const SAME: f64 = 1.5e-3;
@@ -71,7 +71,7 @@ impl Torus {
             let forgotten = few && self.is_forgotten(k, &pieces, &bounds);
             cut[k] = !forgotten && !lines.continues(&pieces[k]);
         }
-        let clip = Clip::rect(page(self.size));
+        let clip = ConvexPolygon::rect(page(self.size));
         for (piece, cut) in pieces.iter_mut().zip(cut) {
             if cut {
                 piece.parts = piece.parts.iter().filter_map(|part| clipped(part, &clip)).collect();
@@ -149,7 +149,7 @@ impl Torus {
             if paint.gradient.is_some() {
                 continue;
             }
-            for ring in segments(path) {
+            for ring in closed_rings(path) {
                 match self.chains(&ring) {
                     Some(found) => {
                         chains.extend(found.into_iter().map(|(path, ends)| Chain { piece: k, path, ends }))
@@ -266,7 +266,7 @@ impl Torus {
         // Rings away from the borders stay with their piece.
         for (k, piece) in pieces.iter().enumerate().filter(|(k, _)| joined(*k)) {
             let (root, shift) = sets.find(k);
-            for ring in segments(&piece.parts[0].path) {
+            for ring in closed_rings(&piece.parts[0].path) {
                 if self.chains(&ring).is_some_and(|chains| chains.is_empty()) {
                     paths[root].extend(Affine::translate(self.vector(shift)) * closed(&ring));
                 }
@@ -304,7 +304,7 @@ impl Torus {
     /// Moves points on a border beyond it by `by`, so that adjacent copies leave no gap.
     pub(super) fn widened(&self, path: &BezPath, by: f64) -> BezPath {
         let mut out = BezPath::new();
-        for ring in segments(path) {
+        for ring in closed_rings(path) {
             let n = ring.len();
             let borders: Vec<Option<PageBorder>> = ring.iter().map(|s| self.border(s)).collect();
             let moved = |p: Point, sides: [Option<PageBorder>; 2]| {
@@ -334,7 +334,7 @@ impl Torus {
 
     /// Whether a path runs along a border.
     pub(super) fn is_cut(&self, path: &BezPath) -> bool {
-        segments(path).iter().flatten().any(|s| self.border(s).is_some())
+        closed_rings(path).iter().flatten().any(|s| self.border(s).is_some())
     }
 }
 
@@ -348,14 +348,14 @@ fn same_paint(a: &DrawingPiece, b: &DrawingPiece) -> bool {
 }
 
 /// The part of a part on the page; a stroke becomes the area that it paints.
-fn clipped(part: &PieceShape, clip: &Clip) -> Option<PieceShape> {
+fn clipped(part: &PieceShape, clip: &ConvexPolygon) -> Option<PieceShape> {
     let area = match &part.stroke {
         Some(stroke) => super::shapes::line(&part.path, stroke, 1.0)
             .and_then(|line| vtex_scene::element::Shape::stroked(line, part.paint.colour))
             .map(|shape| shape.outline.path().clone())?,
         None => part.path.clone(),
     };
-    let path = clip.apply(&area);
+    let path = clip.clipped(&area);
     (!path.elements().is_empty() && path.area().abs() > 1e-9).then(|| PieceShape {
         path,
         paint: part.paint.clone(),

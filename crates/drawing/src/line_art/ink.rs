@@ -53,16 +53,7 @@ pub(super) fn ink(
     go_on: &dyn Fn() -> Result<()>,
 ) -> Result<Option<InkOfPicture>> {
     let size = [image.width() as usize, image.height() as usize];
-    let colours = of_pixels(image, oklab);
-    go_on()?;
-    let Some(paper) = Paper::new(&colours, size) else { return Ok(None) };
-    let rows: Vec<usize> = (0..size[1]).collect();
-    let of_row = |y: &usize| -> Vec<f32> {
-        let difference = |x| libm::sqrtf(squared_distance(colours[y * size[0] + x], paper.at(x, *y)));
-        (0..size[0]).map(difference).collect()
-    };
-    let difference = parallel::map(&rows, of_row).concat();
-    go_on()?;
+    let Some(difference) = differences(image, go_on)? else { return Ok(None) };
     let Some([of_paper, of_ink]) = means(&difference) else { return Ok(None) };
     let from = |share: f32| of_paper + share * (of_ink - of_paper);
     let width = mean_width(&difference, size, from(INKED));
@@ -87,6 +78,25 @@ pub(super) fn ink(
     flip_small(&mut cells, false, HOLE * square);
     cells.wraps = [wrap.unwrap_or_else(|| borders_join(&cells, 0.5 * fine as f64 * width)); 2];
     Ok(Some(InkOfPicture { cells, fine, difference, specks }))
+}
+
+/// How far each pixel is from the paper, in Oklab; `None` for a picture without pixels.
+///
+/// # Errors
+/// Those of `go_on`.
+pub(super) fn differences(image: &RgbImage, go_on: &dyn Fn() -> Result<()>) -> Result<Option<Vec<f32>>> {
+    let size = [image.width() as usize, image.height() as usize];
+    let colours = of_pixels(image, oklab);
+    go_on()?;
+    let Some(paper) = Paper::new(&colours, size) else { return Ok(None) };
+    let rows: Vec<usize> = (0..size[1]).collect();
+    let of_row = |y: &usize| -> Vec<f32> {
+        let difference = |x| libm::sqrtf(squared_distance(colours[y * size[0] + x], paper.at(x, *y)));
+        (0..size[0]).map(difference).collect()
+    };
+    let difference = parallel::map(&rows, of_row).concat();
+    go_on()?;
+    Ok(Some(difference))
 }
 
 /// The colour of the paper at each place, measured in blocks.
@@ -160,7 +170,7 @@ fn is_mostly_light(colours: &[[f32; 3]]) -> bool {
 
 /// The mean difference of the paper and that of the ink, which the middle between them divides (Ridler and Calvard
 /// 1978).
-fn means(difference: &[f32]) -> Option<[f32; 2]> {
+pub(super) fn means(difference: &[f32]) -> Option<[f32; 2]> {
     let mut sorted = difference.to_vec();
     let high = sorted.len() - 1 - sorted.len() / 1000;
     let strongest = *sorted.select_nth_unstable_by(high, f32::total_cmp).1;
@@ -179,7 +189,7 @@ fn means(difference: &[f32]) -> Option<[f32; 2]> {
 }
 
 /// Mean width of lines in pixels: twice their area over the length of their borders.
-fn mean_width(difference: &[f32], [width, height]: [usize; 2], threshold: f32) -> f64 {
+pub(super) fn mean_width(difference: &[f32], [width, height]: [usize; 2], threshold: f32) -> f64 {
     let inked = |i: usize| difference[i] >= threshold;
     let area = (0..difference.len()).filter(|i| inked(*i)).count();
     let mut border = 0;

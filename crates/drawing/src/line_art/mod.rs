@@ -8,9 +8,12 @@
 //! darkest, and for lines nearer to one another than a pixel.
 
 mod ink;
+mod recognise;
 mod strokes;
 #[cfg(test)]
 mod tests;
+
+pub use recognise::shows_lines;
 
 use image::RgbImage;
 use ink::ink;

@@ -1,6 +1,6 @@
 //! Pictures of lines drawn, lit unevenly and made noisy, then read.
 
-use super::read;
+use super::{read, shows_lines};
 use image::{Rgb, RgbImage};
 use kurbo::{BezPath, Circle, Point, Shape};
 use resvg::usvg;
@@ -165,4 +165,45 @@ fn specks_are_left_out_and_counted() {
     let art = read(&encoded(&picture), "specks.png", None, &()).unwrap();
     assert_eq!(art.warnings, ["specks and dots left out (7)"]);
     assert_eq!(art.svg.matches("<path ").count(), lines().len());
+}
+
+#[test]
+fn scans_of_lines_are_recognised_and_things_are_not() {
+    let clean = drawn(&lines());
+    for (what, picture) in
+        [("clean", clean.clone()), ("scanned", scanned(&clean)), ("waves", drawn(&waves(0.03)))]
+    {
+        assert!(shows_lines(&picture), "{what}");
+    }
+    let mut negative = scanned(&clean);
+    negative.pixels_mut().for_each(|p| p.0 = p.0.map(|v| 255 - v));
+    assert!(shows_lines(&negative));
+    let mut random = stream(6, "noise", 0);
+    let noise = RgbImage::from_fn(200, 200, |_, _| Rgb([(255.0 * random.unit()) as u8; 3]));
+    let dots = RgbImage::from_fn(300, 300, |x, y| {
+        let [x, y] = [x, y].map(|v| v as i32 % 12 - 6);
+        Rgb([if x * x + y * y < 10 { 30 } else { 240 }; 3])
+    });
+    let small = RgbImage::from_pixel(20, 20, Rgb([250; 3]));
+    for (what, picture) in [("noise", noise), ("dots", dots), ("small", small)] {
+        assert!(!shows_lines(&picture), "{what}");
+    }
+}
+
+#[test]
+fn no_photograph_shows_lines() {
+    let here = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let mut count = 0;
+    for folder in ["examples/exemplars", "../shared/exemplars", "../shared/exemplars/grains"] {
+        for entry in std::fs::read_dir(here.join(folder)).into_iter().flatten() {
+            let path = entry.unwrap().path();
+            let name = path.to_string_lossy().into_owned();
+            let is_picture = [".jpg", ".png"].iter().any(|ending| name.ends_with(ending));
+            if is_picture && !name.contains(".mask.") {
+                assert!(!shows_lines(&image::open(&path).unwrap().into_rgb8()), "{name}");
+                count += 1;
+            }
+        }
+    }
+    assert!(count >= 5, "{count} pictures");
 }

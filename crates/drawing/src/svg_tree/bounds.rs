@@ -4,6 +4,7 @@
 //! at each element, follows references within references, and reads path data by recursion.
 
 use super::SvgFault;
+use super::unfolding::{self, DEEPEST, MOST_DRAWN, MOST_ELEMENTS, StyledProperty, Unfoldable};
 use resvg::usvg::roxmltree::{Attribute, Document, Node};
 use simplecss::{AttributeOperator, Element, PseudoClass, StyleSheet};
 use std::cell::Cell;
@@ -19,10 +20,8 @@ const CHARACTERS: u64 = 40;
 const MOST_DECLARATIONS: u64 = 20_000_000;
 /// Largest number of consecutive commands that close a path. Each takes a part of the stack.
 const MOST_CLOSES: usize = 1000;
-/// Elements that the parser accepts.
-pub const MOST_ELEMENTS: u64 = 1_000_000;
-/// Depth to which the parser follows nested elements.
-pub(super) const DEEPEST: usize = 1024;
+/// Digits before the point of a radius.
+const MOST_DIGITS: usize = 12;
 /// Depth to which nested references are counted.
 const DEPTH: usize = 32;
 
@@ -33,16 +32,81 @@ pub(super) fn refused(document: &Document<'_>) -> Option<SvgFault> {
         let reason = format!("a path is closed more than {MOST_CLOSES} times in a row");
         return Some(SvgFault { reason, advice: "delete the repeated Z in its path data" });
     }
-    if !styles_are_affordable(document) {
+    if document.descendants().any(|n| n.attributes().any(is_too_round)) {
+        let reason = "it has an arc or a circle that is larger than can be drawn".into();
+        return Some(SvgFault { reason, advice: "delete what lies far outside the page" });
+    }
+    let Some(styled) = styled(document) else {
         let reason = "its styles would take more than ten seconds to apply".into();
         let advice = "turn its style sheet into attributes in the program that made it, or shorten it";
         return Some(SvgFault { reason, advice });
-    }
+    };
     if links_within_containers(document) > MOST_STEPS {
         let reason = "its patterns, masks and clip paths refer to one another too often".into();
         return Some(SvgFault { reason, advice: super::SHAPES });
     }
-    None
+    let (reason, advice) = match unfolding::check(document, &styled).err()? {
+        Unfoldable::Circular => {
+            ("its references lead back to themselves".into(), "remove the reference that closes the circle")
+        }
+        Unfoldable::Deep => {
+            let reason = format!("it nests more than {DEEPEST} elements in one another, references followed");
+            (reason, "ungroup it in the program that made it")
+        }
+        Unfoldable::Large => {
+            let reason = format!(
+                "its references unfold to more than {MOST_ELEMENTS} elements, or to {MOST_DRAWN} that are drawn"
+            );
+            (reason, super::SHAPES)
+        }
+    };
+    Some(SvgFault { reason, advice })
+}
+
+/// Whether an attribute gives an arc or a circle a radius of some 10¹² or more: the parser makes it of the more curves, the
+/// larger it is.
+fn is_too_round(attribute: Attribute<'_, '_>) -> bool {
+    let value = attribute.value();
+    match attribute.name() {
+        "r" | "rx" | "ry" => is_huge(value),
+        "d" => value.contains(['a', 'A']) && is_huge(value),
+        _ => false,
+    }
+}
+
+/// Whether a text has a number of more than 12 digits before the point, or an exponent of 12 or more.
+fn is_huge(text: &str) -> bool {
+    let digits = |rest: &str| rest.bytes().take_while(u8::is_ascii_digit).count();
+    let exponents = text.split(['e', 'E']).skip(1).map(|rest| rest.strip_prefix('+').unwrap_or(rest));
+    let is_large = |rest: &str| {
+        rest[..digits(rest)].parse::<u64>().map_or(digits(rest) > 0, |v| v >= MOST_DIGITS as u64)
+    };
+    let parts = text.split(|c: char| !c.is_ascii_digit() && c != '.');
+    exponents.into_iter().any(is_large) || parts.into_iter().any(|number| digits(number) > MOST_DIGITS)
+}
+
+/// Upper bound of the largest number of attributes of an element of a text that may not be well formed.
+pub(super) fn most_attributes(text: &str) -> usize {
+    // Neither tags nor the values of attributes hold a '<'.
+    text.split('<').map(attributes).max().unwrap_or(0)
+}
+
+/// Number of values in quotes in a tag and the text behind it.
+fn attributes(tag: &str) -> usize {
+    let mut quote = None;
+    let mut count = 0;
+    for byte in tag.bytes() {
+        match (quote, byte) {
+            (None, b'>') => break,
+            (None, b'"' | b'\'') => quote = Some(byte),
+            (Some(open), _) if open == byte => {
+                quote = None;
+                count += 1;
+            }
+            _ => {}
+        }
+    }
+    count
 }
 
 /// Largest number of consecutive commands that close a path.
@@ -60,8 +124,8 @@ fn consecutive_closes(data: &str) -> usize {
     longest
 }
 
-/// Whether the styles of a document can be applied in reasonable time.
-fn styles_are_affordable(document: &Document<'_>) -> bool {
+/// The references that style sheets declare; `None` if styles take too long to apply.
+fn styled<'a>(document: &'a Document<'_>) -> Option<Vec<StyledProperty<'a>>> {
     let steps = Cell::new(0);
     let mut sheet = StyleSheet::new();
     for style in document.descendants().filter(|n| n.has_tag_name("style")) {
@@ -71,33 +135,37 @@ fn styles_are_affordable(document: &Document<'_>) -> bool {
         let text = style.text().unwrap_or_default();
         let count = |what: &[u8]| 1 + text.bytes().filter(|b| what.contains(b)).count() as u64;
         if count(b",").saturating_mul(count(b";")) > MOST_DECLARATIONS {
-            return false;
+            return None;
         }
         // All rules are sorted again for each style sheet.
         steps.set(steps.get() + reading(text) + sheet.rules.len() as u64);
         if steps.get() > MOST_STEPS {
-            return false;
+            return None;
         }
         sheet.parse_more(text);
     }
     let mut dearest = 0;
+    let mut styled = Vec::new();
     for node in document.descendants().filter(Node::is_element) {
         let before = steps.get();
         let element = Counted { node, steps: &steps };
         for rule in &sheet.rules {
             if rule.selector.matches(&element) {
                 element.count(DECLARATION * rule.declarations.len() as u64);
+                let refer = rule.declarations.iter().filter(|d| d.value.contains("url("));
+                let number = node.id().get_usize();
+                styled.extend(refer.map(|d| StyledProperty { node: number, name: d.name, value: d.value }));
             }
         }
         element.count(node.attribute("style").map_or(0, reading));
         if steps.get() > MOST_STEPS {
-            return false;
+            return None;
         }
         dearest = dearest.max(steps.get() - before);
     }
     let own = document.descendants().filter(Node::is_element).count() as u64;
     let copies = weights(document, &uses(document, &ids(document)))[0].min(MOST_ELEMENTS).saturating_sub(own);
-    steps.get() + copies * dearest <= MOST_STEPS
+    (steps.get() + copies * dearest <= MOST_STEPS).then_some(styled)
 }
 
 /// Steps of reading a style. Where a value ends, after the mark of a colour, and after a number without a unit,
@@ -206,11 +274,16 @@ pub fn referred<'a>(attribute: Attribute<'a, '_>) -> Vec<&'a str> {
     if attribute.name() == "href" {
         return attribute.value().trim().strip_prefix('#').into_iter().collect();
     }
-    let id = |rest: &'a str| {
+    linked(attribute.value())
+}
+
+/// The ids that a value refers to by `url(#id)`.
+pub(super) fn linked(value: &str) -> Vec<&str> {
+    fn id(rest: &str) -> Option<&str> {
         let id = rest.split(')').next()?.trim().trim_matches(['\'', '"']);
         id.trim().strip_prefix('#')
-    };
-    attribute.value().split("url(").skip(1).filter_map(id).collect()
+    }
+    value.split("url(").skip(1).filter_map(id).collect()
 }
 
 /// Number of elements in each node with all links followed. A link leads from one node to another by number;

@@ -4,12 +4,11 @@ use super::Draw;
 use super::amount::ColourByPlace;
 use super::selection::Chosen;
 use super::textons::{change, repaint, selected, selected_mut};
-use std::collections::BTreeMap;
 use vtex_base::geometry::Point;
 use vtex_base::raster::colour::{Colour, squared_distance};
 use vtex_base::raster::oklab_map::OklabMap;
 use vtex_scene::element::Appearance;
-use vtex_scene::scene::{CategoryId, Element, Gradient, Instance, InstanceId, LibraryId, Scene, Shape};
+use vtex_scene::scene::{Element, Gradient, Instance, InstanceId, Scene, Shape};
 
 /// Mixes a colour by `amount` into the colours of a random share of the selected elements and points.
 pub(super) fn tint(
@@ -45,122 +44,84 @@ pub(super) fn tint(
     }
 }
 
+/// Colours that are moved, and how far.
+#[derive(Clone, Copy)]
+pub(super) struct Shift {
+    pub(super) from: Colour,
+    pub(super) to: Colour,
+    /// Oklab distance from `from` at which nothing moves.
+    pub(super) reach: f64,
+    /// Whether colours unlike the main one of their element stay.
+    pub(super) keeps_details: bool,
+}
+
+/// Distance from the main colour of an element from which on a colour is a detail, in Oklab, and the factor of
+/// differences in lightness in it, which are mostly shading.
+const DETAIL: f64 = 0.12;
+const SHADING: f32 = 0.4;
+/// Least share of an element at which details that are recoloured have its main colour.
+const MAIN: f64 = 0.2;
+
 /// Shifts colours near `from` by the difference to `to`; the shift falls to 0 at the distance `reach`.
-/// Returns the number of textons and points with a colour within `reach`.
-pub(super) fn recolor(scene: &mut Scene, chosen: &Chosen, from: Colour, to: Colour, reach: f64) -> usize {
+/// Returns the number of textons and points with a colour that moves.
+pub(super) fn recolor(scene: &mut Scene, chosen: &Chosen, shift: Shift) -> usize {
+    let Shift { from, to, reach, keeps_details } = shift;
     let (from, to) = (from.to_oklab(), to.to_oklab());
     let way: [f32; 3] = std::array::from_fn(|i| to[i] - from[i]);
-    let share = |colour: Colour| {
-        // The full shift up to half the reach, none from the reach on, smooth between.
-        let far = 2.0 * f64::from(libm::sqrtf(squared_distance(colour.to_oklab(), from))) / reach - 1.0;
-        let far = far.clamp(0.0, 1.0);
-        1.0 - far * far * (3.0 - 2.0 * far)
+    let share = |colour: Colour, main: Option<[f32; 3]>| {
+        let lab = colour.to_oklab();
+        let own = main.map_or(1.0, |main| falling(apart(lab, main) / DETAIL));
+        own * falling(f64::from(libm::sqrtf(squared_distance(lab, from))) / reach)
     };
-    let alike = |colour: Colour| share(colour) > 0.0;
-    let shaded = |g: &Option<Box<Gradient>>| g.as_ref().is_some_and(|g| alike(g.start) || alike(g.end));
+    let alike = |colour: Colour, main: Option<[f32; 3]>| share(colour, main) > 0.0;
+    let main_of = |element: &Element| keeps_details.then(|| main_colour(element, from));
     // For each element, whether its base and whether its details have a colour near `from`. An instance's own
     // colour hides the base.
     let elements: Vec<[bool; 2]> = vtex_base::parallel::map(&scene.elements, |e| {
-        let has = |s: &Shape| alike(s.colour) || shaded(&s.gradient);
+        let main = main_of(e);
+        let shaded = |g: &Option<Box<Gradient>>| {
+            g.as_ref().is_some_and(|g| alike(g.start, main) || alike(g.end, main))
+        };
+        let has = |s: &Shape| alike(s.colour, main) || shaded(&s.gradient);
         [has(e.base()), e.details().iter().any(has)]
     });
     let has = |i: &Instance| {
         let [base, detail] = elements[i.element.index()];
-        detail || i.colour.map_or(base, alike)
+        detail || i.colour.map_or(base, |colour| alike(colour, None))
     };
     let point =
-        |k: usize, i: usize| scene.layers[k].field.as_ref().is_some_and(|f| alike(f.points[i].colour));
+        |k: usize, i: usize| scene.layers[k].field.as_ref().is_some_and(|f| alike(f.points[i].colour, None));
     let chosen = chosen.only(scene, has, point);
-    recolour(scene, &chosen, |_, colour| match share(colour) {
+    recolour(scene, &chosen, |element, colour| match share(colour, element.and_then(main_of)) {
         0.0 => colour,
         share => moved(colour.to_oklab(), way, share as f32),
     });
     chosen.count()
 }
 
-/// Gives categories new mean colours, by rank of lightness.
-pub(super) fn palette(scene: &mut Scene, chosen: &Chosen, colours: &[Colour]) {
-    let mut ranked: Vec<(Key, [f32; 3])> = means(scene, colours.len()).into_iter().collect();
-    ranked.sort_by(|a, b| a.1[0].total_cmp(&b.1[0]).then(a.0.cmp(&b.0)));
-    let mut wanted: Vec<[f32; 3]> = colours.iter().map(|c| c.to_oklab()).collect();
-    wanted.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    let (count, new) = (ranked.len(), wanted.len());
-    // With more colours than categories, the palette is divided evenly among categories, and each gets the
-    // middle colour of its part.
-    let chosen_colour = |rank: usize| wanted[(2 * rank + 1) * new / (2 * count)];
-    let known: BTreeMap<Key, [f32; 3]> = (ranked.iter().enumerate())
-        .map(|(rank, (key, mean))| (*key, std::array::from_fn(|i| chosen_colour(rank)[i] - mean[i])))
-        .collect();
-    let tones: Vec<(f32, [f32; 3])> =
-        ranked.iter().enumerate().map(|(rank, (_, mean))| (mean[0], chosen_colour(rank))).collect();
-    let tones = joined(&tones);
-    recolour(scene, chosen, |element, colour| {
-        let lab = colour.to_oklab();
-        match element.and_then(key_of).and_then(|key| known.get(&key)) {
-            Some(way) => moved(lab, *way, 1.0),
-            None => Colour::from_oklab(toned(&tones, lab)),
-        }
+/// The main colour of an element: the colours like `from` if they are seen, else that of the first shape.
+fn main_colour(element: &Element, from: [f32; 3]) -> [f32; 3] {
+    let base = element.base().colour.to_oklab();
+    let alike = element.details().iter().map(|d| (d.colour.to_oklab(), d.area() * d.opacity));
+    let alike = alike.filter(|(lab, _)| apart(*lab, from) < DETAIL);
+    let [l, a, b, area] = alike.fold([0.0; 4], |[l, a, b, all], (lab, area)| {
+        let [own_l, own_a, own_b] = lab.map(|v| f64::from(v) * area);
+        [l + own_l, a + own_a, b + own_b, all + area]
     });
+    let is_base = apart(base, from) < DETAIL || area <= MAIN * element.base().area();
+    if is_base { base } else { [l, a, b].map(|v| (v / area) as f32) }
 }
 
-/// One tone for each run of the same colour, at the mean lightness of the run.
-fn joined(tones: &[(f32, [f32; 3])]) -> Vec<(f32, [f32; 3])> {
-    let runs = tones.chunk_by(|a, b| a.1 == b.1);
-    runs.map(|run| (run.iter().map(|t| t.0).sum::<f32>() / run.len() as f32, run[0].1)).collect()
+/// Distance of colours in Oklab, in which lightness counts less, because it is mostly shading.
+fn apart([l, a, b]: [f32; 3], other: [f32; 3]) -> f64 {
+    let as_light = [other[0] + SHADING * (l - other[0]), a, b];
+    f64::from(libm::sqrtf(squared_distance(as_light, other)))
 }
 
-/// The colour at the lightness of `lab`, interpolated between tones of ascending lightness.
-fn toned(tones: &[(f32, [f32; 3])], lab: [f32; 3]) -> [f32; 3] {
-    let above = tones.partition_point(|t| t.0 <= lab[0]);
-    match (above.checked_sub(1).map(|i| tones[i]), tones.get(above)) {
-        (Some((low, a)), Some(&(high, b))) => {
-            let share = (lab[0] - low) / (high - low).max(1e-6);
-            std::array::from_fn(|i| a[i] + (b[i] - a[i]) * share)
-        }
-        // Beyond the ends only lightness changes.
-        (Some((tone, [l, a, b])), None) | (None, Some(&(tone, [l, a, b]))) => [l + lab[0] - tone, a, b],
-        (None, None) => lab,
-    }
-}
-
-/// Library and category. Without categories, a step of lightness takes the place of the library.
-type Key = (LibraryId, Option<CategoryId>);
-
-/// The group of a texton that belongs to a category.
-fn key_of(element: &Element) -> Option<Key> {
-    element.category.map(|c| (element.library, Some(c)))
-}
-
-/// The mean colour of each category, by area. In a scene without categories, the mean colour of each of
-/// `steps` steps of lightness of equal area.
-fn means(scene: &Scene, steps: usize) -> BTreeMap<Key, [f32; 3]> {
-    let means: Vec<[f32; 3]> = vtex_base::parallel::map(&scene.elements, |t| mean(t).to_oklab());
-    let areas: Vec<f64> = scene.elements.iter().map(|t| t.outline().area()).collect();
-    let measured = |instance: &Instance| {
-        let index = instance.element.index();
-        let lab = instance.colour.map_or(means[index], Colour::to_oklab);
-        let area = areas[index] * instance.affine().determinant().abs() + 1e-6;
-        (key_of(&scene.elements[index]), lab, area)
-    };
-    let mut all: Vec<_> = scene.instances().map(measured).collect();
-    if all.iter().all(|(key, ..)| key.is_none()) {
-        all.sort_by(|a, b| a.1[0].total_cmp(&b.1[0]));
-        let whole: f64 = all.iter().map(|(.., area)| area).sum();
-        let mut below = 0.0;
-        for (key, _, area) in &mut all {
-            let step = (below + *area / 2.0) / whole * steps as f64;
-            *key = Some((LibraryId(step as u32), None));
-            below += *area;
-        }
-    }
-    let mut sums: BTreeMap<Key, [f64; 4]> = BTreeMap::new();
-    for (key, lab, area) in all {
-        let Some(key) = key else { continue };
-        let sum = sums.entry(key).or_default();
-        (0..3).for_each(|i| sum[i] += area * f64::from(lab[i]));
-        sum[3] += area;
-    }
-    sums.into_iter().map(|(key, [l, a, b, area])| (key, [l, a, b].map(|v| (v / area) as f32))).collect()
+/// 1 up to a half, 0 from 1 on, smooth between.
+fn falling(far: f64) -> f64 {
+    let far = (2.0 * far - 1.0).clamp(0.0, 1.0);
+    1.0 - far * far * (3.0 - 2.0 * far)
 }
 
 /// The mean colour of a texton, details included: details painted later hide those below, and are assumed to
@@ -173,15 +134,15 @@ fn moved(lab: [f32; 3], way: [f32; 3], share: f32) -> Colour {
     Colour::from_oklab(std::array::from_fn(|i| lab[i] + share * way[i]))
 }
 
-/// Replaces all colours of selected elements and points. `new` gets the element; `None` for fields.
-fn recolour(
+/// Replaces all colours of selected elements and points. `new` gets the element; `None` for fields, and for the colours
+/// of instances, which are main colours.
+pub(super) fn recolour(
     scene: &mut Scene,
     chosen: &Chosen,
     new: impl Fn(Option<&Element>, Colour) -> Colour + Sync + Send,
 ) {
     // The instances' own colours are replaced first, while the elements still have their old colours.
-    let own: Vec<Option<Colour>> =
-        selected(scene, chosen).map(|i| i.colour.map(|c| new(Some(scene.element(i)), c))).collect();
+    let own: Vec<Option<Colour>> = selected(scene, chosen).map(|i| i.colour.map(|c| new(None, c))).collect();
     selected_mut(scene, chosen).zip(own).for_each(|(instance, colour)| instance.colour = colour);
     change(scene, chosen, |element, _| {
         let shapes = element.shapes.iter().map(|s| s.recoloured(|c| new(Some(element), c)));

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use vtex_base::error::{EditFault, Result};
 use vtex_base::geometry::Interior;
-use vtex_base::raster::ControlMap;
+use vtex_base::raster::{ControlMap, is_picture};
 use vtex_drawing::control::{self, ColourMap};
 use vtex_drawing::import;
 use vtex_scene::library::Library;
@@ -121,7 +121,7 @@ impl Files {
 
 /// The inside of the shape of an SVG, or of the white parts of a picture.
 fn region(bytes: &[u8], name: &str, canvas: [u32; 2]) -> Result<Interior> {
-    let picture = image::guess_format(bytes).is_ok();
+    let picture = is_picture(bytes);
     let outline =
         if picture { control::mask(bytes, name, canvas)? } else { control::shape(bytes, name, canvas)? };
     Ok(Interior::new(&outline))

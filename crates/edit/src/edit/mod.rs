@@ -16,6 +16,7 @@ mod hatch;
 mod jitter;
 mod order;
 mod paint_order;
+mod palette;
 mod place;
 mod propagate;
 mod relax;
@@ -37,11 +38,12 @@ pub use files::Files;
 pub(crate) use place::draw_as;
 pub use validate::validate;
 pub use vtex_scene::scene::{
-    About, Action, ColourOrMap, Comparison, Condition, Direction, Distribution, Identity, Jitter,
+    About, Action, ColourOrMap, Comparison, Condition, Direction, Distribution, Identity, Jitter, Keep,
     NumberOrMap, Operation, OrderBy, Quantity, ThinOrder, Within,
 };
 
 use amount::{Amount, ColourByPlace};
+use colours::Shift;
 use hatch::Pen;
 use propagate::Propagated;
 use relax::Relaxing;
@@ -195,11 +197,13 @@ fn act(
         Action::Tint { colour, amount, share } => {
             colours::tint(scene, chosen, &ColourByPlace::new(colour, files)?, *amount, *share, draw);
         }
-        Action::Recolor { from, to, reach } => {
-            let matched = colours::recolor(scene, chosen, *from, *to, *reach);
+        Action::Recolor { from, to, reach, keep } => {
+            let keeps_details = *keep == Keep::Details;
+            let shift = Shift { from: *from, to: *to, reach: *reach, keeps_details };
+            let matched = colours::recolor(scene, chosen, shift);
             return Ok(AppliedCounts { matched, thin });
         }
-        Action::Palette { colours, .. } => colours::palette(scene, chosen, colours),
+        Action::Palette { colours, .. } => palette::palette(scene, chosen, colours),
         Action::Shadow { angle, length, opacity, blur } => {
             style::shadow(scene, chosen, *angle, *length, *opacity, *blur);
         }

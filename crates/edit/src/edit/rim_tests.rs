@@ -32,7 +32,7 @@ fn rims_have_the_colours_that_elements_get() {
     let red = after(Action::Tint { colour: Colour([255, 0, 0]).into(), amount: 1.0, share: 1.0 });
     assert_eq!(rim(&red, 0), Some(SoftRim { colour: Colour([255, 0, 0]), ..RIM }));
     let [from, to] = [Colour([180, 60, 50]), Colour([60, 80, 180])];
-    let blue = after(Action::Recolor { from, to, reach: 0.6 });
+    let blue = after(Action::Recolor { from, to, reach: 0.6, keep: Keep::Nothing });
     let Colour([r, _, b]) = rim(&blue, 0).unwrap().colour;
     assert!(b > r, "{r} {b}");
 }

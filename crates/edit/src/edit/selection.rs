@@ -4,10 +4,60 @@ use super::Files;
 use super::textons::measured;
 use vtex_base::error::EditFault;
 use vtex_base::geometry::{Interior, Point, SecondMoments};
-use vtex_scene::scene::{Condition, Identity, Instance, Layer, Operation, Quantity, Scene};
+use vtex_scene::scene::{
+    Action, CategoryId, Condition, Identity, Instance, Layer, LibraryId, Operation, Quantity, Scene,
+};
 
-/// A condition and the shape that it names.
-type Test<'a> = (&'a Condition, Option<&'a Interior>);
+/// A condition, with the shape or the categories that it names.
+type Test<'a> = (&'a Condition, Meaning<'a>);
+
+/// What a name in a condition denotes.
+enum Meaning<'a> {
+    Nothing,
+    Shape(&'a Interior),
+    Categories(Vec<(LibraryId, CategoryId)>),
+}
+
+impl<'a> Meaning<'a> {
+    fn new(condition: &Condition, scene: &Scene, files: &'a Files) -> Result<Self, EditFault> {
+        Ok(match condition {
+            Condition::Place { shape, .. } => Self::Shape(files.shape(shape)?),
+            Condition::Named { categories, .. } => Self::Categories(named(scene, categories)?),
+            Condition::Among { .. } | Condition::Compare { .. } => Self::Nothing,
+        })
+    }
+
+    /// Whether a point lies in the shape.
+    fn contains(&self, at: Point) -> Option<bool> {
+        match self {
+            Self::Shape(shape) => Some(shape.contains(at)),
+            Self::Nothing | Self::Categories(_) => None,
+        }
+    }
+}
+
+/// The categories of some names or numbers, in all libraries that have them.
+fn named(scene: &Scene, categories: &[String]) -> Result<Vec<(LibraryId, CategoryId)>, EditFault> {
+    let mut found = Vec::new();
+    for name in categories {
+        let libraries = scene.libraries.iter().enumerate();
+        let own = libraries.filter_map(|(k, library)| {
+            CategoryId::find(&library.categories, name).map(|category| (LibraryId(k as u32), category))
+        });
+        let before = found.len();
+        found.extend(own);
+        if found.len() == before {
+            let mut known: Vec<String> = Vec::new();
+            for other in scene.libraries.iter().flat_map(|library| &library.categories) {
+                if !known.contains(other) {
+                    known.push(other.clone());
+                }
+            }
+            return Err(EditFault::NoCategory { name: name.clone(), known });
+        }
+    }
+    Ok(found)
+}
 
 /// The selected elements of each layer of a scene.
 #[derive(Clone)]
@@ -26,13 +76,7 @@ pub(super) struct ChosenLayer {
 
 impl Chosen {
     pub(super) fn new(scene: &Scene, operation: &Operation, files: &Files) -> Result<Self, EditFault> {
-        let conditions = operation.conditions.iter().map(|condition| {
-            let shape = match condition {
-                Condition::Place { shape, .. } => Some(files.shape(shape)?),
-                Condition::Among { .. } | Condition::Compare { .. } => None,
-            };
-            Ok((condition, shape))
-        });
+        let conditions = operation.conditions.iter().map(|c| Ok((c, Meaning::new(c, scene, files)?)));
         let conditions = conditions.collect::<Result<Vec<Test<'_>>, EditFault>>()?;
         let measures = |(c, _): &Test<'_>| {
             matches!(c, Condition::Compare { quantity: Quantity::Area | Quantity::Elongation, .. })
@@ -46,12 +90,13 @@ impl Chosen {
         }
         let chosen = |layer: &Layer| {
             let is_asked = is_asked(layer);
-            let fits = |i: &Instance| is_asked && conditions.iter().all(|c| holds(*c, scene, i, &moments));
-            // Fields are selected only if their layer is named.
-            let field = layer.field.as_ref().filter(|_| is_asked && asked.is_some());
+            let fits = |i: &Instance| is_asked && conditions.iter().all(|c| holds(c, scene, i, &moments));
+            // Fields are selected only if their layer is named, or for a palette, which is for all that is seen.
+            let is_for_all = matches!(operation.action, Action::Palette { .. });
+            let field = layer.field.as_ref().filter(|_| is_asked && (asked.is_some() || is_for_all));
             let points = layer.field.iter().flat_map(|f| &f.points).map(|p| {
                 let at = scene.on_canvas(Point::new(p.x, p.y));
-                field.is_some() && conditions.iter().all(|c| holds_of_point(*c, at))
+                field.is_some() && conditions.iter().all(|c| holds_of_point(c, at))
             });
             ChosenLayer {
                 instances: layer.instances.iter().map(fits).collect(),
@@ -108,9 +153,13 @@ impl<'a> ChosenPlaces<'a> {
     /// The places of an operation; `None` if it has no condition about places.
     pub(super) fn new(operation: &'a Operation, files: &'a Files) -> Result<Option<Self>, EditFault> {
         let conditions = operation.conditions.iter().filter_map(|condition| match condition {
-            Condition::Place { shape, .. } => Some(files.shape(shape).map(|shape| (condition, Some(shape)))),
-            Condition::Compare { quantity: Quantity::X | Quantity::Y, .. } => Some(Ok((condition, None))),
-            Condition::Among { .. } | Condition::Compare { .. } => None,
+            Condition::Place { shape, .. } => {
+                Some(files.shape(shape).map(|shape| (condition, Meaning::Shape(shape))))
+            }
+            Condition::Compare { quantity: Quantity::X | Quantity::Y, .. } => {
+                Some(Ok((condition, Meaning::Nothing)))
+            }
+            Condition::Among { .. } | Condition::Named { .. } | Condition::Compare { .. } => None,
         });
         let conditions = conditions.collect::<Result<Vec<Test<'_>>, EditFault>>()?;
         Ok((!conditions.is_empty()).then_some(Self { conditions }))
@@ -118,7 +167,7 @@ impl<'a> ChosenPlaces<'a> {
 
     /// Whether a point of the canvas is one of the places.
     pub(super) fn hold(&self, at: Point) -> bool {
-        self.conditions.iter().all(|c| holds_of_point(*c, at))
+        self.conditions.iter().all(|c| holds_of_point(c, at))
     }
 
     /// Their share of a canvas of this size, 0 to 1.
@@ -141,7 +190,7 @@ fn is_called(layer: &Layer, name: &str) -> bool {
 }
 
 fn holds(
-    (condition, shape): Test<'_>,
+    (condition, meaning): &Test<'_>,
     scene: &Scene,
     instance: &Instance,
     moments: &[SecondMoments],
@@ -158,6 +207,11 @@ fn holds(
             };
             number.is_some_and(|n| numbers.contains(&n)) == *wanted
         }
+        Condition::Named { wanted, .. } => {
+            let own = element.category.map(|category| (element.library, category));
+            let is_one = |own| matches!(meaning, Meaning::Categories(named) if named.contains(&own));
+            own.is_some_and(is_one) == *wanted
+        }
         Condition::Compare { quantity, comparison, limit } => {
             let value = match quantity {
                 Quantity::Area => moments().area,
@@ -167,18 +221,16 @@ fn holds(
             };
             comparison.holds(value, *limit)
         }
-        Condition::Place { inside, .. } => {
-            shape.is_some_and(|shape| shape.contains(scene.place(instance)) == *inside)
-        }
+        Condition::Place { inside, .. } => meaning.contains(scene.place(instance)) == Some(*inside),
     }
 }
 
 /// A point of a field has no property besides its place.
-fn holds_of_point((condition, shape): Test<'_>, at: Point) -> bool {
+fn holds_of_point((condition, meaning): &Test<'_>, at: Point) -> bool {
     match condition {
         Condition::Compare { quantity: Quantity::X, comparison, limit } => comparison.holds(at.x, *limit),
         Condition::Compare { quantity: Quantity::Y, comparison, limit } => comparison.holds(at.y, *limit),
-        Condition::Place { inside, .. } => shape.is_some_and(|shape| shape.contains(at) == *inside),
-        Condition::Among { .. } | Condition::Compare { .. } => false,
+        Condition::Place { inside, .. } => meaning.contains(at) == Some(*inside),
+        Condition::Among { .. } | Condition::Named { .. } | Condition::Compare { .. } => false,
     }
 }

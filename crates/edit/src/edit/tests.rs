@@ -89,7 +89,7 @@ pub(super) fn tint(colour: [u8; 3], amount: f64, share: f64) -> Action {
 }
 
 fn recolor(from: [u8; 3], to: [u8; 3], reach: f64) -> Action {
-    Action::Recolor { from: Colour(from), to: Colour(to), reach }
+    Action::Recolor { from: Colour(from), to: Colour(to), reach, keep: Keep::Nothing }
 }
 
 fn two_colours() -> Action {
@@ -317,6 +317,52 @@ fn recolouring_keeps_shading_and_leaves_what_is_unlike() {
 }
 
 #[test]
+fn details_in_another_colour_can_stay() {
+    let mut flower = scene();
+    let shapes = &mut flower.elements[0].shapes;
+    shapes[0].colour = Colour([225, 225, 215]);
+    let [mut shade, mut heart] = [shapes[1].clone(), shapes[1].clone()];
+    (shade.colour, heart.colour) = (Colour([170, 170, 160]), Colour([200, 160, 20]));
+    shapes.truncate(1);
+    shapes.extend([shade, heart]);
+    let recolour = |keep| {
+        let (from, to) = (Colour([225, 225, 215]), Colour([220, 90, 140]));
+        let colours = edited(&flower, &[Action::Recolor { from, to, reach: 2.0, keep }.into()]).0;
+        [0, 1, 2].map(|k| colours.elements[0].shapes[k].colour)
+    };
+    let [base, shade, heart] = recolour(Keep::Details);
+    assert_eq!((base, heart), (Colour([220, 90, 140]), Colour([200, 160, 20])));
+    assert!(shade.0[0] > shade.0[1] + 40, "{shade:?}");
+    assert_ne!(recolour(Keep::Nothing)[2], heart);
+}
+
+#[test]
+fn a_palette_changes_backgrounds_too_unless_a_layer_is_named() {
+    let after = one(two_colours());
+    assert_ne!(after.field().points, scene().field().points);
+    assert_eq!(one(on("primary", two_colours())).field().points, scene().field().points);
+}
+
+#[test]
+fn categories_are_selected_by_names_that_the_scene_has() {
+    let mut named = scene();
+    let others = (2..12).map(|k| format!("stone {k}"));
+    let names: Vec<String> = ["moss".to_owned(), "wet stone".to_owned()].into_iter().chain(others).collect();
+    named.libraries[0].categories.clone_from(&names);
+    let by = |categories: &[&str], wanted| Condition::Named {
+        categories: categories.iter().map(|name| (*name).to_owned()).collect(),
+        wanted,
+    };
+    let left = |condition| edited(&named, &[those(&[condition], Action::Delete)]).0.layers;
+    assert_eq!(left(by(&["Wet Stone"], true)), left(among(Identity::Category, &[1], true)));
+    assert_eq!(left(by(&["moss", "2"], false)), left(among(Identity::Category, &[0, 1], false)));
+    let unknown = those(&[by(&["sky"], true)], Action::Delete);
+    let error = apply(named.clone(), &[unknown], &Files::default(), None).unwrap_err();
+    let fault = EditFault::NoCategory { name: "sky".into(), known: names };
+    assert!(matches!(error, Error::Edit { fault: found, .. } if found == fault));
+}
+
+#[test]
 fn a_background_without_points_has_a_colour_too() {
     let mut bare = scene();
     bare.field_mut().points.clear();
@@ -325,19 +371,14 @@ fn a_background_without_points_has_a_colour_too() {
 }
 
 #[test]
-fn palettes_give_the_dark_category_the_dark_colour() {
-    let after = one(two_colours());
-    let mean = |s: &Scene, i: usize| colours::mean(&s.elements[i]).to_oklab();
-    let near = |lab: [f32; 3], hex: &str| {
-        let wanted = Colour::from_hex(hex).unwrap().to_oklab();
-        (0..3).all(|i| (lab[i] - wanted[i]).abs() < 0.03)
-    };
-    let dark = usize::from(mean(&scene(), 1)[0] < mean(&scene(), 0)[0]);
-    assert!(near(mean(&after, dark), "#203040"), "{:?}", mean(&after, dark));
-    // The light colour and the shading above it do not both fit in the gamut.
-    assert!(mean(&after, 1 - dark)[0] > mean(&scene(), 1 - dark)[0] + 0.2);
-    assert!(after.elements[dark].details()[0].colour.0[0] > after.elements[dark].base().colour.0[0] + 40);
-    assert_ne!(after.secondary()[0].colour, scene().secondary()[0].colour);
+fn palettes_give_dark_colours_the_dark_colour_and_equal_ones_the_same() {
+    let after = one(on("primary", two_colours()));
+    let lightness = |shape: &Shape| shape.colour.to_oklab()[0];
+    let details: Vec<&Shape> = after.elements[..2].iter().map(|element| &element.details()[0]).collect();
+    assert!(details.iter().all(|detail| lightness(detail) > 0.75) && details[0].colour == details[1].colour);
+    assert!(lightness(after.elements[1].base()) < 0.5, "{:?}", after.elements[1].base().colour);
+    assert_eq!(after.secondary()[0].colour, scene().secondary()[0].colour);
+    assert_ne!(one(two_colours()).secondary()[0].colour, scene().secondary()[0].colour);
 }
 
 #[test]

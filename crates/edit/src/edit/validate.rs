@@ -33,7 +33,7 @@ fn of_place(condition: &Condition) -> bool {
     match condition {
         Condition::Place { .. } => true,
         Condition::Compare { quantity, .. } => matches!(quantity, Quantity::X | Quantity::Y),
-        Condition::Among { .. } => false,
+        Condition::Among { .. } | Condition::Named { .. } => false,
     }
 }
 

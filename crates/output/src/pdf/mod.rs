@@ -1,4 +1,5 @@
-//! Scene → PDF: one page of pure vectors, 96 pixels to the inch as in SVG.
+//! Scene → PDF: one page of pure vectors, of the size of the scene's page; where it has none, 96 pixels to the inch as in
+//! SVG.
 //!
 //! Everything is a path with a flat colour or a gradient, and the background is mixed by masks of gradients;
 //! nothing is a bitmap. Each layer is a form XObject in a group of optional content, so viewers list it by
@@ -9,8 +10,8 @@
 //! same content stream has changed the coordinates before. So the page changes its coordinates once,
 //! outside of all that is saved and restored.
 //!
-//! Works badly beyond [`LARGEST_PAGE`]: viewers then need a page that is scaled down, and its
-//! numbers are rounded to more than a hundredth of a pixel.
+//! Works badly beyond [`LARGEST_PAGE`]: the page then has user units of several points, which some viewers, such as
+//! those based on Poppler, take for points, so that they show it smaller.
 
 mod background;
 mod content;
@@ -21,49 +22,45 @@ mod tests;
 mod textons;
 
 use super::background::PreparedBackground;
-use super::{CSS_DPI, DPI};
 use content::ContentStream;
 use file::{File, Ref};
 use std::fmt::Write as _;
 use std::io::{self, Write};
 use textons::PdfTextons;
 use vtex_base::geometry::{Affine, Outline, Rect, Vec2};
-use vtex_scene::scene::{Layer, Scene};
+use vtex_scene::scene::{CSS_DPI, Layer, Length, Scene};
 
 /// Points to the inch.
 const POINTS: f64 = 72.0;
 /// Largest side of a page that readers are known to show, in points.
 const LARGEST_PAGE: f64 = 14_400.0;
 
-/// Writes a scene as PDF, of 96 pixels to the inch. Same scene: the same bytes. Gives their number.
+/// Writes a scene as PDF. Same scene: the same bytes. Gives their number.
 ///
 /// # Errors
 /// A scene that breaks its invariants; a failing writer.
-pub fn write(scene: &Scene, out: impl Write) -> io::Result<u64> {
-    write_at(scene, CSS_DPI, out)
-}
-
-/// Like [`write()`], at `dpi` pixels to the inch.
-///
-/// # Errors
-/// Those of [`write()`], and [`Error::Parameter`] for no pixels.
-pub fn write_at(scene: &Scene, dpi: u32, mut out: impl Write) -> io::Result<u64> {
-    DPI.check(dpi)?;
+pub fn write(scene: &Scene, mut out: impl Write) -> io::Result<u64> {
     scene.check()?;
-    let bytes = document(scene, dpi)?;
+    let bytes = document(scene)?;
     out.write_all(&bytes)?;
     out.flush()?;
     Ok(bytes.len() as u64)
 }
 
 /// The whole file.
-fn document(scene: &Scene, dpi: u32) -> io::Result<Vec<u8>> {
+fn document(scene: &Scene) -> io::Result<Vec<u8>> {
     let mut file = File::default();
     let mut page = ContentStream::default();
-    let size = [scene.width, scene.height].map(f64::from);
-    let scale = (LARGEST_PAGE / size[0].max(size[1])).min(POINTS / f64::from(dpi));
+    let points = match scene.page {
+        Some(page) => page.map(Length::points),
+        None => scene.css_size().map(|side| side * POINTS / f64::from(CSS_DPI)),
+    };
+    // Points to the unit: more than one for a page that would have too many units.
+    let unit = libm::ceil(points[0].max(points[1]) / LARGEST_PAGE).max(1.0);
+    let size = points.map(|side| side / unit);
+    let [x, y] = [size[0] / f64::from(scene.width), size[1] / f64::from(scene.height)];
     // Not within `q` and `Q`, because there Inkscape 1.2 ignores it for gradients in forms.
-    page.transform(Affine::new([scale, 0.0, 0.0, -scale, 0.0, size[1] * scale]));
+    page.transform(Affine::new([x, 0.0, 0.0, -y, 0.0, size[1]]));
     let groups = draw(scene, &mut page, &mut file)?;
 
     let all: Vec<String> = groups.iter().map(Ref::to_string).collect();
@@ -71,12 +68,13 @@ fn document(scene: &Scene, dpi: u32) -> io::Result<Vec<u8>> {
     let order: Vec<String> = groups.iter().rev().map(Ref::to_string).collect();
     let properties: String = groups.iter().enumerate().map(|(k, group)| format!("/l{k} {group} ")).collect();
     let mut bounds = String::new();
-    content::numbers(&mut bounds, size.map(|side| side * scale), 3);
+    content::numbers(&mut bounds, size, 4);
+    let unit = if unit > 1.0 { format!("/UserUnit {unit}") } else { String::new() };
     let pages = file.reserve();
     let content = page.page(&mut file);
     let resources = page.resources(&format!("/Properties <<{}>>", properties.trim_end()));
     let page = file.add(format!(
-        "<</Type /Page/Parent {pages}/MediaBox [0 0 {}]{resources}/Contents {content}>>",
+        "<</Type /Page/Parent {pages}/MediaBox [0 0 {}]{unit}{resources}/Contents {content}>>",
         bounds.trim_end()
     ));
     file.put(pages, format!("<</Type /Pages/Kids [{page}]/Count 1>>"));

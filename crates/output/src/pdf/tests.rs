@@ -29,7 +29,7 @@ fn vectors_only_with_title_and_producer() {
     scene.width = 100_000;
     scene.height = 1;
     scene.field_mut().points.clear();
-    assert_eq!(count(&bytes(&scene), "/MediaBox [0 0 14400 "), 1);
+    assert_eq!(count(&bytes(&scene), "/MediaBox [0 0 12500 .125]/UserUnit 6"), 1);
 }
 
 /// The content of the object of a number, unpacked.

@@ -1,35 +1,34 @@
 //! SVG → pixels, any program's SVG.
 //!
-//! Nothing outside the file is ever loaded: linked pictures are left out. Text and embedded raster
-//! images are not drawn; they are counted and warned of. A large SVG is drawn piece by piece. Filters
-//! that would take minutes are refused.
+//! Nothing outside the file is ever loaded: linked pictures are left out. Text, embedded raster
+//! images and foreign objects are not drawn; they are counted and warned of. A large SVG is drawn piece by piece.
+//! What would take minutes or gigabytes is refused.
 
-mod filters;
 mod pieces;
 
 use super::picture_size;
 use pieces::{PiecePurpose, SvgPieces};
-use resvg::usvg::Tree;
 use resvg::usvg::roxmltree::Document;
 use tiny_skia::{BlendMode, Pixmap, PixmapPaint, Transform};
 use vtex_base::Progress;
-use vtex_base::error::{Error, Result};
+use vtex_base::error::{Error, Large, Result};
 use vtex_base::progress::advance;
-use vtex_drawing::svg_tree::{self, SvgFault};
+use vtex_drawing::svg_tree::{self, SvgFault, SvgTree};
 
-/// Elements at which patterns and masks within one another are refused.
-const UNFOLDED: u64 = 100_000_000;
-const TOO_SLOW: &str = "its filters or patterns would take more than ten seconds; \
-     turn them into shapes in the program that made them, or ask for a smaller picture";
+/// Most pixels of a page as large as it is, without those for each megabyte of the file: a gigabyte of memory.
+const PAGE: f64 = 268_435_456.0;
+
+/// Pixels of a picture for which drawing takes no longer than usual.
+const USUAL: f64 = 4e6;
 
 /// Draws an SVG or SVGZ, `scale` pixels of the picture to a unit of the SVG; the size is rounded.
 /// `name` appears in errors and in the warning of what is not drawn. Progress counts elements, as
 /// stage `drawing`.
 ///
 /// # Errors
-/// Not an SVG that can be parsed; a shape that reaches 10⁸ pixels away; a piece whose filters or
-/// patterns would take more than some ten seconds; a scale that is not above 0; [`Error::TooLarge`] beyond 2³⁰ pixels
-/// or 1 GiB of text; [`Error::Interrupted`].
+/// Not an SVG that can be parsed; what [`svg_tree::draw`] refuses, piece by piece; a scale that is not above 0;
+/// [`Error::TooLarge`] beyond 100 000 pixels on a side, 2³⁰ pixels, 2²⁸ for a small file that is not enlarged, or
+/// 1 GiB of text; [`Error::Interrupted`].
 pub fn render_svg(bytes: &[u8], scale: f64, name: &str, progress: &dyn Progress) -> Result<Pixmap> {
     let fail = |fault| failed(name, fault);
     let text = svg_tree::text(bytes, name, fail)?;
@@ -39,9 +38,6 @@ pub fn render_svg(bytes: &[u8], scale: f64, name: &str, progress: &dyn Progress)
     }
     let pieces = SvgPieces::new(&text, &document);
     let total = pieces.weight();
-    if total < UNFOLDED && pieces.unfolded() >= UNFOLDED {
-        return Err(Error::Render { name: name.into(), reason: TOO_SLOW.into() });
-    }
     let parse = |text: &str| svg_tree::document(text).and_then(|d| svg_tree::tree(&d));
     // The error for an SVG of that number of elements that cannot be parsed.
     let refused = |fault: SvgFault, elements: u64| {
@@ -97,9 +93,9 @@ pub(super) fn weight(text: &str) -> u64 {
 /// A sentence on the parts of a document that are not drawn.
 fn left_out(document: &Document<'_>, name: &str) -> Option<String> {
     let count = |what: &str| document.descendants().filter(|n| n.tag_name().name() == what).count();
-    let counts = [(count("image"), "<image>"), (count("text"), "<text>")];
+    let counts = ["image", "text", "foreignObject"].map(|what| (count(what), what));
     let found: Vec<String> =
-        counts.iter().filter(|c| c.0 > 0).map(|(n, what)| format!("{n} {what}")).collect();
+        counts.iter().filter(|c| c.0 > 0).map(|(n, what)| format!("{n} <{what}>")).collect();
     (!found.is_empty()).then(|| format!("'{name}' holds {}, which vtex does not draw", found.join(" and ")))
 }
 
@@ -107,32 +103,33 @@ fn left_out(document: &Document<'_>, name: &str) -> Option<String> {
 struct LayeredPicture<'a> {
     name: &'a str,
     transform: Transform,
+    /// How many times as long drawing may take, because a large picture was asked for.
+    enlarged: f64,
     picture: Pixmap,
     below: Vec<Pixmap>,
 }
 
 impl<'a> LayeredPicture<'a> {
     /// An empty canvas of the size of an SVG at a scale.
-    fn new(tree: &Tree, scale: f64, name: &'a str) -> Result<Self> {
+    fn new(tree: &SvgTree, scale: f64, name: &'a str) -> Result<Self> {
         let (w, h) = (tree.size().width(), tree.size().height());
         let (width, height) = picture_size(f64::from(w), f64::from(h), scale, name)?;
         let transform = Transform::from_scale(width as f32 / w, height as f32 / h);
-        Ok(Self { name, transform, picture: layer(width, height, name)?, below: Vec::new() })
-    }
-
-    /// Fails if an SVG cannot be drawn in reasonable time.
-    fn check(&self, tree: &Tree) -> Result<()> {
-        let Transform { sx, sy, .. } = self.transform;
-        if !filters::affordable(tree, [sx, sy], [self.picture.width(), self.picture.height()]) {
-            return Err(Error::Render { name: self.name.into(), reason: TOO_SLOW.into() });
+        let most = (PAGE * (1.0 + tree.megabytes()) * (scale * scale).max(1.0)) as u64;
+        if u64::from(width) * u64::from(height) > most {
+            let found = format!("a picture of {width} x {height} pixels");
+            let limit = format!("{most} pixels for a file of its size");
+            return Err(Error::TooLarge { what: Large::Picture, name: name.into(), found, limit });
         }
-        Ok(())
+        let picture = layer(width, height, name)?;
+        let enlarged = (scale * scale).min(f64::from(width) * f64::from(height) / USUAL);
+        Ok(Self { name, transform, enlarged, picture, below: Vec::new() })
     }
 
     /// Draws an SVG over the topmost layer.
-    fn draw(&mut self, tree: &Tree) -> Result<()> {
-        self.check(tree)?;
-        svg_tree::draw(tree, self.transform, &mut self.picture).map_err(|fault| failed(self.name, fault))
+    fn draw(&mut self, tree: &SvgTree) -> Result<()> {
+        svg_tree::draw(tree, self.transform, &mut self.picture, self.enlarged)
+            .map_err(|fault| failed(self.name, fault))
     }
 
     /// Begins a layer.
@@ -143,10 +140,10 @@ impl<'a> LayeredPicture<'a> {
     }
 
     /// Ends a layer: clips it to `shape` and draws it over the one below.
-    fn close(&mut self, shape: &Tree) -> Result<()> {
-        self.check(shape)?;
+    fn close(&mut self, shape: &SvgTree) -> Result<()> {
         let mut mask = layer(self.picture.width(), self.picture.height(), self.name)?;
-        svg_tree::draw(shape, self.transform, &mut mask).map_err(|fault| failed(self.name, fault))?;
+        svg_tree::draw(shape, self.transform, &mut mask, self.enlarged)
+            .map_err(|fault| failed(self.name, fault))?;
         let paint = |blend_mode| PixmapPaint { blend_mode, ..PixmapPaint::default() };
         let still = Transform::identity();
         self.picture.draw_pixmap(0, 0, mask.as_ref(), &paint(BlendMode::DestinationIn), still, None);
@@ -323,7 +320,7 @@ mod tests {
             (&r#"<feTurbulence baseFrequency="0.1"/>"#.repeat(100_000), "", 10.0),
         ] {
             let error = draw(filter, region, scale).unwrap_err();
-            assert!(error.to_string().contains("filters or patterns"), "{error}");
+            assert!(error.to_string().contains("more than"), "{error}");
         }
         for filter in [
             r#"<feGaussianBlur stdDeviation="2"/>"#,

@@ -52,17 +52,6 @@ impl<'a> SvgPieces<'a> {
         Self { text, document, ids, weights }
     }
 
-    /// Elements of the whole, with all patterns, masks and the like followed as well.
-    pub(super) fn unfolded(&self) -> u64 {
-        let mut links = Vec::new();
-        for node in self.document.descendants() {
-            let own = node.attributes().flat_map(referred);
-            let targets = own.filter_map(|id| self.ids.get(id));
-            links.extend(targets.map(|target| (node.id().get_usize(), target.id().get_usize())));
-        }
-        weights(self.document, &links)[0]
-    }
-
     /// Elements of the whole, with every `<use>` followed.
     pub(super) fn weight(&self) -> u64 {
         self.weights[self.document.root().id().get_usize()]
@@ -117,7 +106,7 @@ impl<'a> SvgPieces<'a> {
         for child in container.children().filter(Node::is_element) {
             let own = self.weights[child.id().get_usize()];
             let hidden = ["defs", "metadata", "title", "desc", "symbol"].contains(&child.tag_name().name());
-            if hidden || weight + own > PIECE {
+            if hidden || own.saturating_add(weight) > PIECE {
                 if let Some(run) = run.take() {
                     each(PiecePurpose::Draw { text: self.piece(frame, run), weight })?;
                 }
@@ -146,7 +135,7 @@ impl<'a> SvgPieces<'a> {
                     }
                 }
             }
-            weight += own;
+            weight = own.saturating_add(weight);
             run = Some(run.map_or((child, child), |(first, _)| (first, child)));
         }
         run.map_or(Ok(()), |run| each(PiecePurpose::Draw { text: self.piece(frame, run), weight }))

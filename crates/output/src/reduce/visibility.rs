@@ -1,4 +1,4 @@
-//! The visibility of each detail and each secondary per byte of the file.
+//! The visibility of each detail and each element per byte of the file.
 //!
 //! The visibility of a patch is its area times the Oklab distance of its colour from the colour beneath it;
 //! that of a detail is summed over all instances of its texton, which share its bytes. Patches that hide a
@@ -11,18 +11,49 @@ use vtex_base::raster::colour::{Colour, squared_distance};
 use vtex_scene::scene::field::Interpolant;
 use vtex_scene::scene::{Element, Scene, Shape};
 
-/// Approximate number of bytes of a reference to a texton, with place and colour.
+/// Approximate number of bytes of a reference to a texton, with place and colour, and of the group of an individual
+/// element.
 const REFERENCE: f64 = 50.0;
+const GROUP: f64 = 40.0;
 
-/// The order in which details and secondaries can be left out.
+/// Least contrast at which a primary is seen, by its border, and factor of its visibility: primaries are what a texture
+/// is of.
+const SEEN: f64 = 0.2;
+const PRIMARY: f64 = 2.0;
+/// Share of the area of a soft ellipse at which it shows its colour.
+const SOFT_AREA: f64 = 0.4;
+
+/// The order in which details and elements can be left out.
 pub(super) struct Ranks {
     /// Ranks of each element's details.
-    details: Vec<Vec<usize>>,
-    /// Ranks of each layer's instances; empty for layers of individual elements, which stay.
-    instances: Vec<Vec<usize>>,
+    details: Vec<Vec<Rank>>,
+    /// Ranks of each layer's instances.
+    instances: Vec<Vec<Rank>>,
     /// Number of instances of each element.
     uses: Vec<usize>,
-    count: usize,
+    /// Number of details and secondaries, and that of these and primaries.
+    counts: [usize; 2],
+}
+
+/// The place of a detail or an element among details and secondaries, and among these and primaries. A primary has
+/// [`usize::MAX`] among the former.
+#[derive(Clone, Copy, Default)]
+struct Rank([usize; 2]);
+
+impl Rank {
+    /// Whether it is none of the first of either order.
+    fn stays(self, first: [usize; 2]) -> bool {
+        (0..2).all(|k| self.0[k] >= first[k])
+    }
+}
+
+/// Counts of what was left out.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct LeftOut {
+    /// On all instances.
+    pub(super) details: usize,
+    pub(super) secondaries: usize,
+    pub(super) primaries: usize,
 }
 
 impl Ranks {
@@ -36,7 +67,7 @@ impl Ranks {
         let mut all: Vec<(f64, ShapePlace)> = Vec::new();
         for (t, element) in scene.elements.iter().enumerate() {
             for (d, detail) in element.details().iter().enumerate() {
-                let seen = sizes[t] * detail.area() * distance(detail.colour, beneath(element, d));
+                let seen = sizes[t] * seen_area(detail) * distance(detail.colour, beneath(element, d));
                 all.push((seen / shape_bytes(detail), ShapePlace::Detail(t, d)));
             }
         }
@@ -49,56 +80,63 @@ impl Ranks {
             .collect();
         let mut instances = Vec::new();
         for (k, layer) in scene.layers.iter().enumerate() {
-            let small = if layer.role.is_individual() { &[][..] } else { &layer.instances[..] };
-            instances.push(vec![0; small.len()]);
-            let under = scene.field_under(k).filter(|_| !small.is_empty());
+            let all_instances = &layer.instances;
+            let (group, least, factor) =
+                if layer.role.is_individual() { (GROUP, SEEN, PRIMARY) } else { (0.0, 0.0, 1.0) };
+            instances.push(vec![Rank::default(); all_instances.len()]);
+            let under = scene.field_under(k).filter(|_| !all_instances.is_empty());
             let field = under.map(|f| Interpolant::new(f, scene.width, scene.height, scene.tile));
-            for (i, instance) in small.iter().enumerate() {
+            for (i, instance) in all_instances.iter().enumerate() {
                 let element = scene.element(instance);
                 let affine = instance.affine();
                 let at = affine * element.outline().bounds().center();
                 let beneath =
                     field.as_ref().map_or(Colour::default(), |f| Colour::from_f64(f.at(at.x, at.y)));
                 let contrast = distance(instance.colour.unwrap_or(element.base().colour), beneath);
-                let area = element.base().area() * affine.determinant().abs();
-                let own: f64 = element.details().iter().map(|p| p.area() * distance(p.colour, beneath)).sum();
-                let bytes = own_bytes[instance.element.index()];
-                all.push(((area * contrast + own) / bytes, ShapePlace::Instance(k, i)));
+                let area = seen_area(element.base()) * affine.determinant().abs();
+                let own: f64 =
+                    element.details().iter().map(|p| seen_area(p) * distance(p.colour, beneath)).sum();
+                let bytes = group + own_bytes[instance.element.index()];
+                let seen = factor * (area * contrast.max(least) + own);
+                all.push((seen / bytes, ShapePlace::Instance(k, i)));
             }
         }
         all.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let details = scene.elements.iter().map(|e| vec![0; e.details().len()]).collect();
-        let mut ranks = Self { details, instances, uses, count: all.len() };
+        let details = scene.elements.iter().map(|e| vec![Rank::default(); e.details().len()]).collect();
+        let mut ranks = Self { details, instances, uses, counts: [0, all.len()] };
         for (rank, (_, place)) in all.into_iter().enumerate() {
+            let is_primary =
+                matches!(place, ShapePlace::Instance(k, _) if scene.layers[k].role.is_individual());
+            let small = if is_primary { usize::MAX } else { ranks.counts[0] };
+            ranks.counts[0] += usize::from(!is_primary);
             match place {
-                ShapePlace::Detail(t, d) => ranks.details[t][d] = rank,
-                ShapePlace::Instance(k, i) => ranks.instances[k][i] = rank,
+                ShapePlace::Detail(t, d) => ranks.details[t][d] = Rank([small, rank]),
+                ShapePlace::Instance(k, i) => ranks.instances[k][i] = Rank([small, rank]),
             }
         }
         ranks
     }
 
-    /// Number of ranked details and secondaries.
-    pub(super) fn len(&self) -> usize {
-        self.count
-    }
-
-    /// Removes the first `count` from a scene with the same textons and instances. Returns the numbers of
-    /// removed details, on all instances, and of removed secondaries.
-    pub(super) fn leave_out(&self, scene: &mut Scene, count: usize) -> (usize, usize) {
-        let mut details = 0;
+    /// Removes the first from a scene with the same textons and instances: a share of the details and secondaries, and a
+    /// share of these and the primaries, 0 to 1. Returns how many.
+    pub(super) fn leave_out(&self, scene: &mut Scene, shares: [f64; 2]) -> LeftOut {
+        let first = [0, 1].map(|k| (self.counts[k] as f64 * shares[k]) as usize);
+        let mut left_out = LeftOut::default();
         for ((element, ranks), uses) in scene.elements.iter_mut().zip(&self.details).zip(&self.uses) {
             let before = element.shapes.len();
-            let mut stay = std::iter::once(true).chain(ranks.iter().map(|&rank| rank >= count));
+            let mut stay = std::iter::once(true).chain(ranks.iter().map(|rank| rank.stays(first)));
             element.shapes.retain(|_| stay.next().unwrap_or(true));
-            details += (before - element.shapes.len()) * uses;
+            left_out.details += (before - element.shapes.len()) * uses;
         }
-        let before = scene.count();
         for (layer, ranks) in scene.layers.iter_mut().zip(&self.instances) {
             let mut ranks = ranks.iter();
-            layer.instances.retain(|_| ranks.next().is_none_or(|&rank| rank >= count));
+            let before = layer.instances.len();
+            layer.instances.retain(|_| ranks.next().is_none_or(|rank| rank.stays(first)));
+            let is_individual = layer.role.is_individual();
+            let count = if is_individual { &mut left_out.primaries } else { &mut left_out.secondaries };
+            *count += before - layer.instances.len();
         }
-        (details, before - scene.count())
+        left_out
     }
 }
 
@@ -124,6 +162,11 @@ fn beneath(element: &Element, detail: usize) -> Colour {
         .filter(|p| !p.is_soft())
         .rfind(holds)
         .map_or(element.base().colour, |p| p.colour)
+}
+
+/// The area at which a shape shows its colour.
+fn seen_area(shape: &Shape) -> f64 {
+    shape.opacity * shape.area() * if shape.is_soft() { SOFT_AREA } else { 1.0 }
 }
 
 /// About how many bytes of an SVG a shape takes.
@@ -166,13 +209,19 @@ mod tests {
         let mut few = scene.clone();
         let invisible = few.elements[texton].details()[1].clone();
         let loud = few.elements[texton].details()[2].clone();
-        let (details, secondaries) = ranks.leave_out(&mut few, ranks.len() / 2);
-        assert!(details > 0 && secondaries > 0);
+        let LeftOut { details, secondaries, primaries } = ranks.leave_out(&mut few, [0.5, 0.0]);
+        assert!(details > 0 && secondaries > 0 && primaries == 0);
         assert!(!few.elements[texton].details().contains(&invisible));
         assert!(few.elements[texton].details().contains(&loud));
-        let (_, all) = ranks.leave_out(&mut scene, ranks.len());
-        assert_eq!(all, ranks.instances.iter().map(Vec::len).sum::<usize>());
-        assert!(scene.elements.iter().all(|t| t.details().is_empty()) && scene.secondary().is_empty());
+        let mut bare = scene.clone();
+        let all = ranks.leave_out(&mut bare, [1.0, 0.0]);
+        assert_eq!(all.secondaries, scene.secondary().len());
+        assert!(bare.elements.iter().all(|t| t.details().is_empty()) && bare.secondary().is_empty());
+        // With primaries among them, what shows least goes first, whatever it is.
+        let half = ranks.leave_out(&mut scene, [0.0, 0.5]);
+        assert!(half.details > 0 && half.secondaries > 0);
+        let last = ranks.leave_out(&mut scene, [0.0, 1.0]);
+        assert!(last.primaries > 0 && scene.count() == 0);
     }
 
     #[test]

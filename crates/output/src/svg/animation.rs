@@ -98,14 +98,11 @@ impl AnimationWriter<'_> {
         motions: &[LayerMotion<'_>],
         options: &Animation,
     ) -> io::Result<usize> {
-        let Scene { width, height, .. } = *self.scenes[0];
         xml.open("svg");
         xml.attribute("xmlns", "http://www.w3.org/2000/svg");
         xml.attribute("xmlns:xlink", "http://www.w3.org/1999/xlink");
         xml.attribute("xmlns:inkscape", "http://www.inkscape.org/namespaces/inkscape");
-        xml.attribute("width", width);
-        xml.attribute("height", height);
-        xml.attribute("viewBox", format_args!("0 0 {width} {height}"));
+        super::write_page(xml, self.scenes[0]);
         xml.line();
         let [from, to] = self.scenes.map(super::super::title);
         xml.open("title");

@@ -45,16 +45,15 @@ pub use flowing::write_flow;
 
 use super::background::PreparedBackground;
 use super::categories::{SceneCategory, class};
-use super::{CSS_DPI, DPI};
 use flowing::{AnimatedPath, DocumentMotion, at_origin};
 use layers::LayerGroup;
-use number::{HexColour, Number};
+use number::HexColour;
 use std::io::{self, Write};
 use textons::SvgTextons;
 use vtex_base::Parameter;
 use vtex_base::error::{Error, Result};
 use vtex_base::geometry::Vec2;
-use vtex_scene::scene::{Instance, Layer, Scene};
+use vtex_scene::scene::{Instance, Layer, Length, LengthUnit, Scene};
 use xml::{ViewerLoad, Xml};
 
 /// The beginning of every SVG of vtex. Editors write another beginning when they save, so a file with this
@@ -89,6 +88,8 @@ pub struct SvgOptions {
     /// Write a style rule for each category, with custom properties that shift its hue and lightness.
     /// Default false.
     pub css: bool,
+    /// Name individual elements, as editors list them. Ids and classes are written all the same. Default true.
+    pub names: bool,
 }
 
 impl SvgOptions {
@@ -98,7 +99,7 @@ impl SvgOptions {
 
 impl Default for SvgOptions {
     fn default() -> Self {
-        Self { precision: 1, expand: false, css: false }
+        Self { precision: 1, expand: false, css: false, names: true }
     }
 }
 
@@ -136,23 +137,7 @@ pub fn write_with_recipe(
     recipe: Option<&serde_json::Value>,
     out: impl Write,
 ) -> io::Result<SvgSummary> {
-    write_at(scene, options, recipe, CSS_DPI, out)
-}
-
-/// Like [`write_with_recipe`], at `dpi` pixels to the inch. Width and height are in millimetres unless `dpi`
-/// is [`CSS_DPI`].
-///
-/// # Errors
-/// Those of [`write()`], and [`Error::Parameter`] for no pixels.
-pub fn write_at(
-    scene: &Scene,
-    options: &SvgOptions,
-    recipe: Option<&serde_json::Value>,
-    dpi: u32,
-    out: impl Write,
-) -> io::Result<SvgSummary> {
-    DPI.check(dpi)?;
-    let document = Document { recipe, dpi, ..Document::new(scene, options, 0.0)? };
+    let document = Document { recipe, ..Document::new(scene, options, 0.0)? };
     summed(document.textons.shared_count(), out, |xml| document.write(xml))
 }
 
@@ -210,6 +195,44 @@ fn too_much(drawn: ViewerLoad) -> Option<String> {
     )
 }
 
+/// Pixels of CSS for each pixel of the canvas, along x and y, to twelve decimals.
+fn stretch(scene: &Scene) -> [f64; 2] {
+    let [width, height] = scene.css_size();
+    let by = [width / f64::from(scene.width), height / f64::from(scene.height)];
+    by.map(|v| libm::round(v * 1e12) / 1e12)
+}
+
+/// Width and height of the open `<svg>`, which are those of the page, and its view box, which is the canvas. A canvas
+/// that its page stretches by a part of a pixel says so in `preserveAspectRatio`, which browsers, Inkscape, librsvg and
+/// resvg follow; coordinates stay those of the canvas, without a transform around the layers.
+fn write_page<W: Write>(xml: &mut Xml<W>, scene: &Scene) {
+    let Scene { width, height, page, .. } = *scene;
+    match page {
+        Some([wide, high]) => {
+            xml.attribute("width", svg_length(wide));
+            xml.attribute("height", svg_length(high));
+        }
+        None => {
+            xml.attribute("width", width);
+            xml.attribute("height", height);
+        }
+    }
+    xml.attribute("viewBox", format_args!("0 0 {width} {height}"));
+    let [x, y] = stretch(scene);
+    if (x / y - 1.0).abs() > 1e-9 {
+        xml.attribute("preserveAspectRatio", "none");
+    }
+}
+
+/// A length as SVG writes it: pixels without a unit, metres, which it lacks, in millimetres.
+fn svg_length(length: Length) -> String {
+    match length.unit() {
+        LengthUnit::Pixel => length.value().to_string(),
+        LengthUnit::Metre => format!("{}mm", libm::round(length.value() * 1e9) / 1e6),
+        _ => length.to_string(),
+    }
+}
+
 /// A scene made ready to be written.
 struct Document<'a> {
     scene: &'a Scene,
@@ -219,12 +242,12 @@ struct Document<'a> {
     categories: Vec<SceneCategory>,
     /// Whether categories have style rules.
     css: bool,
+    /// Whether individual elements have names in editors.
+    names: bool,
     /// Distance by which the content extends beyond the canvas, in pixels.
     bleed: f64,
     /// The recipe in the metadata: how the scene was made.
     recipe: Option<&'a serde_json::Value>,
-    /// Pixels to the inch.
-    dpi: u32,
     /// The motion of elements; `None` if they rest.
     moving: Option<DocumentMotion<'a>>,
 }
@@ -240,24 +263,15 @@ impl<'a> Document<'a> {
             backgrounds(fields.map(|f| f.map(|field| PreparedBackground::new(scene, field))), "b");
         let layers = scene.layers.iter().map(|l| (l.name.as_str(), l.role, l.region.is_some()));
         let frames = LayerGroup::of(layers, scene.domain.as_ref().map(|d| d.edge));
-        let css = options.css;
-        let (recipe, moving, dpi) = (None, None, CSS_DPI);
-        Ok(Self { scene, backgrounds, frames, textons, categories, css, bleed, recipe, dpi, moving })
+        let (css, names) = (options.css, options.names);
+        let (recipe, moving) = (None, None);
+        Ok(Self { scene, backgrounds, frames, textons, categories, css, names, bleed, recipe, moving })
     }
 
     /// Writes the canvas.
     fn write<W: Write>(&self, xml: &mut Xml<W>) -> io::Result<()> {
-        let (width, height) = (self.scene.width, self.scene.height);
         self.begin(xml);
-        if self.dpi == CSS_DPI {
-            xml.attribute("width", width);
-            xml.attribute("height", height);
-        } else {
-            let length = |side: u32| format!("{}mm", Number(f64::from(side) * 25.4 / f64::from(self.dpi), 3));
-            xml.attribute("width", length(width));
-            xml.attribute("height", length(height));
-        }
-        xml.attribute("viewBox", format_args!("0 0 {width} {height}"));
+        write_page(xml, self.scene);
         xml.line();
         self.write_about(xml)?;
         self.write_definitions(xml)?;
@@ -276,6 +290,10 @@ impl<'a> Document<'a> {
         xml.attribute("patternUnits", "userSpaceOnUse");
         xml.attribute("width", self.scene.width);
         xml.attribute("height", self.scene.height);
+        if self.scene.page.is_some() {
+            let [x, y] = stretch(self.scene);
+            xml.attribute("patternTransform", format_args!("scale({x} {y})"));
+        }
         xml.line();
         self.write_definitions(xml)?;
         self.write_layers(xml)?;
@@ -431,7 +449,7 @@ impl<'a> Document<'a> {
         if layer.predicted {
             xml.attribute("data-vtex-id", instance.id);
         }
-        if let Some(name) = self.textons.category_name(element) {
+        if let Some(name) = self.textons.category_name(element).filter(|_| self.names) {
             xml.attribute("inkscape:label", format_args!("{name} {}", instance.id));
         }
     }

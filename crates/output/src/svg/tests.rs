@@ -14,7 +14,7 @@ fn text(scene: &Scene, options: &SvgOptions) -> (String, SvgSummary) {
     (String::from_utf8(bytes).unwrap(), summary)
 }
 
-const EXPANDED: SvgOptions = SvgOptions { precision: 2, expand: true, css: false };
+const EXPANDED: SvgOptions = SvgOptions { precision: 2, expand: true, css: false, names: true };
 
 fn named<'a>(document: &'a Document<'_>, name: &str) -> Vec<Node<'a, 'a>> {
     document.descendants().filter(|n| n.has_tag_name(("http://www.w3.org/2000/svg", name))).collect()

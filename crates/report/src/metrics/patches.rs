@@ -48,20 +48,41 @@ fn at_level(a: &Channels, b: &Channels, level: u64) -> f64 {
         }
     }
     let directions: Vec<u64> = (0..DIRECTIONS).collect();
+    let (a, b) = (Distinct::of(&a), Distinct::of(&b));
     let distances = parallel::map(&directions, |&k| {
         let mut random = stream(0, "metrics/directions", level * DIRECTIONS + k);
-        let direction: Vec<f64> = (0..a.length).map(|_| random.normal()).collect();
+        let direction: Vec<f64> = (0..a.patches.length).map(|_| random.normal()).collect();
         let length = libm::sqrt(direction.iter().map(|v| v * v).sum());
         let direction: Vec<f32> = direction.iter().map(|v| (v / length) as f32).collect();
-        let sorted = |patches: &PicturePatches| {
-            let mut along: Vec<f32> = patches.iter().map(|p| dot(p, &direction)).collect();
-            along.sort_unstable_by(f32::total_cmp);
-            along
-        };
-        let pairs = sorted(&a).into_iter().zip(sorted(&b));
+        let pairs = a.sorted_along(&direction).into_iter().zip(b.sorted_along(&direction));
         pairs.map(|(x, y)| f64::from((x - y).abs())).sum::<f64>() / PATCHES as f64
     });
     distances.iter().sum::<f64>() / DIRECTIONS as f64
+}
+
+/// The patches of a picture that differ, each with its number: small pictures and flat ones have few.
+struct Distinct<'a> {
+    patches: &'a PicturePatches,
+    /// Index of a patch, and how many are equal to it.
+    all: Vec<(usize, usize)>,
+}
+
+impl<'a> Distinct<'a> {
+    fn of(patches: &'a PicturePatches) -> Self {
+        let bits = |i: &usize| patches.get(*i).iter().map(|v| v.to_bits());
+        let mut order: Vec<usize> = (0..patches.corners.len()).collect();
+        order.sort_unstable_by(|i, j| bits(i).cmp(bits(j)));
+        let equal = order.chunk_by(|i, j| bits(i).eq(bits(j)));
+        Self { patches, all: equal.map(|equal| (equal[0], equal.len())).collect() }
+    }
+
+    /// The lengths of all patches along a direction, in ascending order.
+    fn sorted_along(&self, direction: &[f32]) -> Vec<f32> {
+        let mut along: Vec<(f32, usize)> =
+            self.all.iter().map(|&(i, count)| (dot(self.patches.get(i), direction), count)).collect();
+        along.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        along.into_iter().flat_map(|(length, count)| std::iter::repeat_n(length, count)).collect()
+    }
 }
 
 /// The Laplacian pyramid: each level's difference from the next coarser one, and the coarsest level.
@@ -145,6 +166,10 @@ impl PicturePatches {
         self.data.chunks_exact(self.length)
     }
 
+    fn get(&self, index: usize) -> &[f32] {
+        &self.data[index * self.length..(index + 1) * self.length]
+    }
+
     /// Mean and standard deviation of each channel.
     fn channels(&self) -> [(f64, f64); 3] {
         [0, 1, 2].map(|c| {
@@ -164,17 +189,36 @@ impl PicturePatches {
         }
     }
 
+    /// The patches at a third of their resolution.
+    fn coarse(&self) -> Vec<CoarsePatch> {
+        self.iter().map(CoarsePatch::new).collect()
+    }
+
     /// Mean distance of each patch to its nearest among `others`. With `apart`, overlapping patches are
     /// ignored.
     fn mean_nearest(&self, others: &Self, apart: bool) -> f64 {
         let numbers: Vec<usize> = (0..self.corners.len()).collect();
+        let [outlined, known] = [self, others].map(PicturePatches::coarse);
+        // From the darkest to the lightest.
+        let mut order: Vec<usize> = (0..known.len()).collect();
+        order.sort_by(|i, j| known[*i].light.total_cmp(&known[*j].light));
         let over = |a: &[usize; 2], b: &[usize; 2]| (0..2).all(|k| a[k].abs_diff(b[k]) < SOUGHT_SIDE);
         let distances = parallel::map(&numbers, |&i| {
-            let own = &self.data[i * self.length..(i + 1) * self.length];
+            let (own, coarse) = (self.get(i), &outlined[i]);
+            let lighter = order.partition_point(|&other| known[other].light < coarse.light);
+            let mut darker = order[..lighter].iter().rev().copied().peekable();
+            let mut lighter = order[lighter..].iter().copied().peekable();
             let mut best = f32::INFINITY;
-            for (other, corner) in others.iter().zip(&others.corners) {
-                if !(apart && over(&self.corners[i], corner)) {
-                    best = best.min(squared_distance(own, other, best));
+            loop {
+                let least = |other: Option<&usize>| {
+                    other.map_or(f32::INFINITY, |&k| coarse.least_by_light(&known[k]))
+                };
+                let (dark, light) = (least(darker.peek()), least(lighter.peek()));
+                let next = if dark <= light { darker.next() } else { lighter.next() };
+                // Of the others none is nearer.
+                let Some(k) = next.filter(|_| best > 0.0 && dark.min(light) <= best) else { break };
+                if coarse.least(&known[k]) <= best && !(apart && over(&self.corners[i], &others.corners[k])) {
+                    best = best.min(squared_distance(own, others.get(k), best));
                 }
             }
             libm::sqrt(f64::from(best))
@@ -182,6 +226,41 @@ impl PicturePatches {
         // A patch that overlaps all others has no nearest neighbour.
         let known = || distances.iter().filter(|d| d.is_finite());
         known().sum::<f64>() / known().count().max(1) as f64
+    }
+}
+
+/// A patch of [`SOUGHT_SIDE`] at a third of its resolution, from which follows how near another is at best.
+struct CoarsePatch {
+    /// Sum of the first channel, over the root of their number.
+    light: f32,
+    /// Sums of the channels' blocks of 3 x 3, likewise.
+    blocks: [f32; 27],
+}
+
+impl CoarsePatch {
+    fn new(patch: &[f32]) -> Self {
+        const PIXELS: usize = SOUGHT_SIDE * SOUGHT_SIDE;
+        let mut blocks = [0.0; 27];
+        for (i, value) in patch.iter().enumerate() {
+            let (channel, x, y) = (i / PIXELS, i % SOUGHT_SIDE, i % PIXELS / SOUGHT_SIDE);
+            blocks[9 * channel + 3 * (y / 3) + x / 3] += value / 3.0;
+        }
+        Self { light: blocks[..9].iter().sum::<f32>() / 3.0, blocks }
+    }
+
+    /// A lower bound of the squared distance of the patches, by the first channel's mean.
+    fn least_by_light(&self, other: &Self) -> f32 {
+        Self::rounded((self.light - other.light) * (self.light - other.light))
+    }
+
+    /// A higher lower bound.
+    fn least(&self, other: &Self) -> f32 {
+        Self::rounded(self.blocks.iter().zip(&other.blocks).map(|(a, b)| (a - b) * (a - b)).sum())
+    }
+
+    /// A little less, for errors of rounding.
+    fn rounded(bound: f32) -> f32 {
+        bound * 0.999 - 1e-8
     }
 }
 
@@ -223,6 +302,35 @@ mod tests {
         assert!(own.coherence < 1.05 && own.completeness < 1.05, "{own:?}");
         assert!(other.coherence > 1.2 && other.completeness > 1.2, "{other:?}");
         assert_eq!(completeness(&a, &channels(52, 60, 19)), None);
+    }
+
+    #[test]
+    fn the_nearest_patch_is_that_of_a_search_of_all() {
+        let noise = |seed: u64| -> Channels {
+            let mut random = stream(seed, "metrics/patches", 9);
+            [0, 1, 2].map(|_| {
+                let values: Vec<f32> =
+                    (0..40 * 36).map(|_| random.index(6) as f32 / 6.0).map(|v| v * v).collect();
+                Channel { width: 40, height: 36, data: values }.smooth(1.0)
+            })
+        };
+        let mut random = stream(1, "metrics/patches", 1);
+        let [a, b] = [1, 2].map(|seed| PicturePatches::draw(&noise(seed), SOUGHT_SIDE, 300, &mut random));
+        for (from, to, apart) in [(&a, &b, false), (&a, &a, true), (&a, &a, false)] {
+            let over = |i: usize, k: usize| {
+                (0..2).all(|axis| from.corners[i][axis].abs_diff(to.corners[k][axis]) < SOUGHT_SIDE)
+            };
+            let nearest = |i: usize| {
+                let others = (0..300).filter(|&k| !(apart && over(i, k)));
+                others
+                    .map(|k| squared_distance(from.get(i), to.get(k), f32::INFINITY))
+                    .fold(f32::INFINITY, f32::min)
+            };
+            let all: Vec<f64> =
+                (0..300).map(nearest).filter(|v| v.is_finite()).map(|v| f64::from(v).sqrt()).collect();
+            let mean = all.iter().sum::<f64>() / all.len() as f64;
+            assert_eq!(from.mean_nearest(to, apart), mean);
+        }
     }
 
     #[test]

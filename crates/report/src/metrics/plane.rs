@@ -156,6 +156,7 @@ pub(super) fn gaussian(sigma: f64, order: u8) -> Vec<f32> {
 }
 
 /// Scalar product, summed in the same order on every machine.
+#[inline]
 pub(super) fn dot(a: &[f32], b: &[f32]) -> f32 {
     let mut lanes = [0.0f32; 8];
     let ((left, left_rest), (right, right_rest)) = (a.as_chunks::<8>(), b.as_chunks::<8>());

@@ -132,14 +132,25 @@ impl Line {
 /// Most dashes along a path.
 const MOST_DASHES: f64 = 1e5;
 
+/// Length of a dash, in widths of its stroke, below which only its caps are seen.
+const SHORTEST_DASH: f64 = 1e-3;
+
 /// The area that a stroke along a path paints, up to `tolerance`. A stroke of more than 100 000 dashes is
-/// drawn without gaps.
+/// drawn without gaps. Dashes without length are painted with their caps, as in SVG.
 pub fn stroked(path: &BezPath, mut stroke: kurbo::Stroke, tolerance: f64) -> BezPath {
     let period: f64 = stroke.dash_pattern.iter().sum();
     let dashes = || kurbo::Shape::perimeter(path, 0.1) / period * stroke.dash_pattern.len() as f64;
     let is_dashed = period > 0.0 && dashes() < MOST_DASHES;
     if !is_dashed {
         stroke.dash_pattern.clear();
+    }
+    if stroke.start_cap != kurbo::Cap::Butt {
+        // The library that expands strokes leaves out what has no length.
+        let least = (SHORTEST_DASH * stroke.width).min(SHORTEST_DASH * period);
+        if stroke.dash_pattern.len() % 2 == 1 {
+            stroke.dash_pattern = [stroke.dash_pattern.clone(), stroke.dash_pattern].concat().into();
+        }
+        stroke.dash_pattern.iter_mut().step_by(2).for_each(|dash| *dash = dash.max(least));
     }
     kurbo::stroke(path, &stroke, &kurbo::StrokeOpts::default(), tolerance)
 }

@@ -67,6 +67,15 @@ impl CategoryId {
         u32::from(self.0) + 1
     }
 
+    /// The category that a text denotes among names: by its name, in any case of letters, or by its number from 1.
+    pub fn find(names: &[String], text: &str) -> Option<Self> {
+        let lower = text.to_lowercase();
+        let number = || text.parse::<usize>().ok()?.checked_sub(1).filter(|&index| index < names.len());
+        let index = names.iter().position(|name| name == text);
+        let index = index.or_else(|| names.iter().position(|name| name.to_lowercase() == lower));
+        index.or_else(number).map(|index| Self(index as u16))
+    }
+
     /// Writes its number instead of the index, for output to people.
     pub fn serialize_number<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.serialize_u32(self.number())

@@ -98,30 +98,40 @@ impl Lattice {
         Phases { waves }
     }
 
+    /// Whether whole periods fit a canvas of `size` pixels that repeats along the axes of `wrap`: see
+    /// [`Lattice::phases_of_tile`].
+    pub fn fits_tile(&self, size: [u32; 2], wrap: [bool; 2]) -> bool {
+        self.strain(size.map(f64::from), wrap) <= MOST_STRETCH
+    }
+
+    /// The waves, stretched so that whole periods fit a canvas.
+    fn fitted(&self, size: [f64; 2], wrap: [bool; 2]) -> Vec<[f64; 2]> {
+        let whole = |w: f64, k: usize| if wrap[k] { libm::round(w * size[k]) / size[k] } else { w };
+        self.phases().waves.iter().map(|w| [whole(w[0], 0), whole(w[1], 1)]).collect()
+    }
+
+    /// Largest displacement of a vector where whole periods fit a canvas, as a share of its length.
+    fn strain(&self, size: [f64; 2], wrap: [bool; 2]) -> f64 {
+        let waves = self.phases().waves;
+        let fitted = self.fitted(size, wrap);
+        let missed = |v: &[f64; 2]| {
+            let phase =
+                fitted.iter().zip(&waves).map(|(f, w)| [f[0] - w[0], f[1] - w[1]]).map(|d| dot(d, *v));
+            libm::sqrt(self.residual_of(&phase.collect::<Vec<_>>())) / libm::sqrt(dot(*v, *v))
+        };
+        self.vectors.iter().map(missed).fold(0.0, f64::max)
+    }
+
     /// [`Lattice::phases`] of a canvas of `size` pixels that repeats along the axes of `wrap`: stretched a
     /// little, so that whole periods fit.
     ///
     /// # Errors
     /// [`Error::Parameter`] if that changes the vectors by more than 3 %; it names the nearest sizes that fit.
     pub fn phases_of_tile(&self, size: [u32; 2], wrap: [bool; 2]) -> Result<Phases> {
-        let waves = self.phases().waves;
-        let fitted = |size: [f64; 2]| -> Vec<[f64; 2]> {
-            let whole = |w: f64, k: usize| if wrap[k] { libm::round(w * size[k]) / size[k] } else { w };
-            waves.iter().map(|w| [whole(w[0], 0), whole(w[1], 1)]).collect()
-        };
-        // Largest displacement of a vector, as a share of its length.
-        let strain = |size: [f64; 2]| -> f64 {
-            let fitted = fitted(size);
-            let missed = |v: &[f64; 2]| {
-                let phase =
-                    fitted.iter().zip(&waves).map(|(f, w)| [f[0] - w[0], f[1] - w[1]]).map(|d| dot(d, *v));
-                libm::sqrt(self.residual_of(&phase.collect::<Vec<_>>())) / libm::sqrt(dot(*v, *v))
-            };
-            self.vectors.iter().map(missed).fold(0.0, f64::max)
-        };
+        let strain = |size: [f64; 2]| self.strain(size, wrap);
         let size = size.map(f64::from);
         if strain(size) <= MOST_STRETCH {
-            return Ok(Phases { waves: fitted(size) });
+            return Ok(Phases { waves: self.fitted(size, wrap) });
         }
         // The nearest size, and the nearest larger one, whose periods fit.
         let fits = |w: f64, h: f64| w >= 1.0 && h >= 1.0 && strain([w, h]) <= PROPOSED_STRETCH;

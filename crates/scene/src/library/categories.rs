@@ -9,9 +9,10 @@ use std::fmt;
 use std::str::FromStr;
 
 /// The number of categories of primaries. In JSON and on the command line a number, or `auto`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Categories {
-    /// The smallest number, up to [`Categories::MOST_BY_COLOUR`], for which members have similar colours.
+    /// As few as the eye tells apart by colour, size and shape, at most [`Categories::MOST_FOUND`]. The default.
+    #[default]
     Auto,
     /// This number; fewer where there are fewer different primaries.
     AtMost(u32),
@@ -23,12 +24,12 @@ fn expected() -> String {
 
 impl Categories {
     /// Most categories that [`Categories::Auto`] makes.
-    pub const MOST_BY_COLOUR: u32 = 40;
+    pub const MOST_FOUND: u32 = 15;
 
     /// Most categories there may be.
     pub fn most(self) -> usize {
         match self {
-            Self::Auto => Self::MOST_BY_COLOUR as usize,
+            Self::Auto => Self::MOST_FOUND as usize,
             Self::AtMost(number) => number as usize,
         }
     }

@@ -1,15 +1,17 @@
 //! Libraries of which some categories are not placed.
 
-use super::{Arrangement, Library};
+use super::{Arrangement, CategoryId, Library};
 use vtex_base::raster::LabelMap;
 
 impl Library {
-    /// The library as if the elements of the categories of some names were background: they stand nowhere in its
+    /// The library as if the elements of some categories were background: they stand nowhere in its
     /// arrangement and its layers, and cover nothing. The arrangement says where they stood. Elements and categories
-    /// keep their numbers. Such a library is for synthesis, not to be stored. `None` if it has no category of these
-    /// names.
+    /// keep their numbers. Such a library is for synthesis, not to be stored. `names` are names or numbers of categories
+    /// ([`CategoryId::find`]). `None` if it has none of them.
     pub fn excluding(&self, names: &[String]) -> Option<Self> {
-        let is_out: Vec<bool> = self.category_names().iter().map(|name| names.contains(name)).collect();
+        let known = self.category_names();
+        let mut is_out = vec![false; known.len()];
+        names.iter().filter_map(|name| CategoryId::find(&known, name)).for_each(|c| is_out[c.index()] = true);
         if !is_out.contains(&true) {
             return None;
         }
@@ -52,6 +54,9 @@ mod tests {
         let names = whole.category_names();
         assert!(whole.excluding(&["no such".into()]).is_none() && whole.excluding(&[]).is_none());
         let without = whole.excluding(&names[1..2]).unwrap();
+        for other in [names[1].to_uppercase(), "2".into()] {
+            assert_eq!(whole.excluding(&[other]).unwrap(), without);
+        }
         assert_eq!((&without.elements, without.category_names()), (&whole.elements, names));
         let count = whole.primaries().len() + 1;
         let [before, after] =

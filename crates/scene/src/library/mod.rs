@@ -227,7 +227,8 @@ impl ExemplarLayer {
 #[serde(deny_unknown_fields)]
 pub struct Category {
     /// The name that a user has given to it: 1 to 100 letters, digits, blanks and hyphens, different from those of
-    /// others. Either all categories have one or none has; then their names are the words for their mean colours.
+    /// others. Either all categories have one or none has; then [`Library::category_names`] makes them from
+    /// colours and sizes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
     /// Mean of its members' features: red, green, blue (0 to 255), area (pixels of the arrangement), compactness (0 to 1).
@@ -247,14 +248,14 @@ impl Category {
 }
 
 impl Library {
-    /// Plain names of the categories, in their order, all different: those that a user has given to them, or the
-    /// words for their mean colours. Scenes, SVGs and reports use the same names.
+    /// Plain names of the categories, in their order, all different: those that a user has given to them, or
+    /// words for their mean colours, and for their sizes where colours are alike. Scenes, SVGs and reports use the same names.
     pub fn category_names(&self) -> Vec<String> {
         if let Some(given) = self.categories.iter().map(|c| c.name.clone()).collect() {
             return given;
         }
-        let colours: Vec<Colour> = self.categories.iter().map(Category::colour).collect();
-        colour_names::distinct(&colours)
+        let looks: Vec<(Colour, f64)> = self.categories.iter().map(|c| (c.colour(), c.centre[3])).collect();
+        colour_names::distinct_sized(&looks)
     }
 
     /// The reference to the library that a scene stores.

@@ -42,7 +42,7 @@ pub struct AnalyzeParams {
     /// Area of the largest secondary.
     #[cfg_attr(feature = "schema", schemars(transform = Self::SECONDARY_MAXIMUM.limits()))]
     pub secondary_maximum: u32,
-    /// Number of categories of primaries.
+    /// Number of categories of primaries. Default auto.
     pub categories: Categories,
     /// Half the side of descriptors, in mean distances between neighbours.
     #[cfg_attr(feature = "schema", schemars(transform = Self::DESCRIPTOR_REACH.limits()))]
@@ -184,7 +184,7 @@ impl AnalyzeParams {
         Parameter::new("secondary-minimum", [1, 10_000], "px of area").or(3);
     pub const SECONDARY_MAXIMUM: Parameter<u32> =
         Parameter::new("secondary-maximum", [1, 100_000], "px of area").or(300);
-    pub const CATEGORIES: Parameter<u32> = Parameter::new("categories", [1, 1000], "").or(15);
+    pub const CATEGORIES: Parameter<u32> = Parameter::new("categories", [1, 1000], "");
     pub const DESCRIPTOR_REACH: Parameter<f64> = Parameter::new("descriptor-reach", [0.5, 10.0], "").or(2.25);
     pub const BACKGROUND_SPACING: Parameter<f64> =
         Parameter::new("background-spacing", [4.0, 1000.0], "px").or(25.0);
@@ -211,7 +211,7 @@ impl Default for AnalyzeParams {
             secondary_tolerance: Self::SECONDARY_TOLERANCE.default(),
             secondary_minimum: Self::SECONDARY_MINIMUM.default(),
             secondary_maximum: Self::SECONDARY_MAXIMUM.default(),
-            categories: Categories::AtMost(Self::CATEGORIES.default()),
+            categories: Categories::default(),
             descriptor_reach: Self::DESCRIPTOR_REACH.default(),
             background_spacing: Self::BACKGROUND_SPACING.default(),
             background_margin: Self::BACKGROUND_MARGIN.default(),

@@ -1,6 +1,6 @@
 //! Validation of libraries.
 
-use super::{LARGEST_SIDE, Lattice, Library, Role};
+use super::{LARGEST_SIDE, Library, Role};
 use crate::scene::{check_layer, check_spacing};
 use std::collections::BTreeSet;
 use vtex_base::document::is_category_name;
@@ -33,7 +33,9 @@ pub(super) fn validate(l: &Library) -> Result<(), String> {
     if let Some(guide) = &l.guide {
         guide.check(wide, high)?;
     }
-    if let Some(fault) = l.lattice.as_ref().and_then(Lattice::fault) {
+    // Its limits are pixels, of which a unit of a small drawing has several; places are rounded.
+    let pixels = l.source.scale.map(|scale| 1.01 * scale.max(1.0));
+    if let Some(fault) = l.lattice.as_ref().and_then(|lattice| lattice.scaled(pixels).fault()) {
         return Err(format!("lattice {fault}"));
     }
     share("coverage", l.coverage)?;

@@ -1,7 +1,8 @@
-//! Text → condition, such as `category=3|5`, `area>200` or `inside=disc.svg`.
+//! Text → condition, such as `category=3|5`, `category=large white`, `area>200` or `inside=disc.svg`.
 
 use crate::scene::{Comparison, Condition, Identity, Quantity};
 use std::str::FromStr;
+use vtex_base::document::is_category_name;
 use vtex_base::error::clip;
 
 /// The names that a condition begins with.
@@ -9,7 +10,7 @@ pub const NAMES: [&str; 10] =
     ["category", "library", "id", "motif", "area", "elongation", "x", "y", "inside", "outside"];
 
 /// The syntax of conditions, for messages.
-pub const EXPECTED: &str = "category=3, category!=3, category=3|5, library=1, id=17, motif=4, area>200, \
+pub const EXPECTED: &str = "category=3, category!=large white, category=3|5, library=1, id=17, motif=4, area>200, \
                             elongation>1.5, x<500, y>=20, inside=FILE, outside=FILE";
 
 /// A fault in the text of a condition.
@@ -52,6 +53,23 @@ impl FromStr for Condition {
             }
             Ok(Self::Among { identity, numbers, wanted })
         };
+        let category = || {
+            let items: Vec<&str> = value.split('|').map(str::trim).collect();
+            if items.iter().all(|item| item.parse::<u32>().is_ok()) {
+                return among(Identity::Category);
+            }
+            if let Some(item) = items.iter().find(|item| !is_category_name(item)) {
+                return Err(wrong(format!(
+                    "'{}' is neither the name nor the number of a category",
+                    clip(item)
+                )));
+            }
+            let categories = items.into_iter().map(str::to_owned).collect();
+            match sign {
+                "=" | "!=" => Ok(Self::Named { categories, wanted: sign == "=" }),
+                _ => Err(unfit()),
+            }
+        };
         let compare = |quantity| {
             let comparison = match sign {
                 ">" => Comparison::More,
@@ -70,7 +88,7 @@ impl FromStr for Condition {
             _ => Err(unfit()),
         };
         match name {
-            "category" => among(Identity::Category),
+            "category" => category(),
             "library" => among(Identity::Library),
             "id" => among(Identity::Id),
             "motif" => among(Identity::Motif),

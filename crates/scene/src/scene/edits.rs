@@ -157,6 +157,10 @@ impl Display for Condition {
                 let sign = if *wanted { "=" } else { "!=" };
                 write!(f, "{}{sign}{}", word::<Identity>(*identity), numbers.join("|"))
             }
+            Self::Named { categories, wanted } => {
+                let sign = if *wanted { "=" } else { "!=" };
+                write!(f, "{}{sign}{}", word(Identity::Category), categories.join("|"))
+            }
             Self::Compare { quantity, comparison, limit } => {
                 let sign = match comparison {
                     Comparison::Less => "<",
@@ -202,6 +206,7 @@ mod tests {
             Condition::Among { identity: Identity::Category, numbers: vec![2, 4], wanted: false },
             Condition::Compare { quantity: Quantity::Area, comparison: Comparison::AtLeast, limit: 20.0 },
             Condition::Place { shape: "a.svg".into(), inside: true },
+            Condition::Named { categories: vec!["large white".into(), "3".into()], wanted: false },
         ];
         let tint = Recorded::Edit(Operation { action: tint, layer: Some("primary".into()), conditions });
         let orient =
@@ -211,7 +216,7 @@ mod tests {
         for (record, text) in [
             (
                 tint,
-                "tint amount=0.5 colour=#ff0000 share=1 layer=primary where category!=3|5, area>=20, inside=a.svg",
+                "tint amount=0.5 colour=#ff0000 share=1 layer=primary where category!=3|5, area>=20, inside=a.svg, category!=large white|3",
             ),
             (Recorded::Edit(orient.into()), "orient direction=30 strength=1"),
             (Recorded::Edit(Action::Delete.into()), "delete"),

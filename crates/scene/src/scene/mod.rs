@@ -8,6 +8,7 @@ pub mod field;
 mod gaussians;
 mod joined;
 mod operation;
+mod page;
 mod parameters;
 pub mod pixels;
 mod repaint;
@@ -24,9 +25,10 @@ pub use edits::{Axis, Between, EditRecord, Place, Recorded, Transfer, TransferMo
 pub use effects::{Shadow, Stroke};
 pub use joined::joined;
 pub use operation::{
-    About, Action, ColourOrMap, Comparison, Condition, Direction, Distribution, Identity, Jitter,
+    About, Action, ColourOrMap, Comparison, Condition, Direction, Distribution, Identity, Jitter, Keep,
     NumberOrMap, Operation, OrderBy, Quantity, ThinOrder, Within,
 };
+pub use page::{CSS_DPI, Length, LengthUnit, page_at};
 pub use parameters::{Ablation, LatticeChoice, Method, SynthParams, Weights};
 pub use repaint::Repaint;
 pub use splat::splat;
@@ -59,6 +61,10 @@ pub struct Scene {
     pub width: u32,
     /// Height of the canvas, in pixels.
     pub height: u32,
+    /// Width and height at which the canvas is printed or shown, which files state: lengths such as `300mm`, or `900px`
+    /// on a screen. `None` for a pixel of CSS for each pixel of the canvas.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub page: Option<[Length; 2]>,
     /// The axes along which the scene repeats seamlessly. Along these, every instance, control point and
     /// domain is listed once and stands for all its copies, shifted by whole widths or heights of the
     /// canvas (see [`Scene::copies`]).
@@ -347,7 +353,7 @@ pub struct ControlPoint {
 }
 
 impl Scene {
-    /// A scene of the given size in pixels, without elements, parameters, domain and edits. It does not
+    /// A scene of the given size in pixels, without page, elements, parameters, domain and edits. It does not
     /// tile.
     pub fn new([width, height]: [u32; 2], libraries: Vec<LibraryRef>, layers: Vec<Layer>) -> Self {
         Self {
@@ -355,6 +361,7 @@ impl Scene {
             version: Self::VERSION,
             width,
             height,
+            page: None,
             tile: Tile::default(),
             parameters: None,
             program: vtex_base::PROGRAM.into(),

@@ -83,8 +83,12 @@ pub enum Action {
         /// Oklab distance up to which colours are moved.
         #[cfg_attr(feature = "schema", schemars(transform = Self::REACH.limits()))]
         reach: f64,
+        /// What stays as it is within elements. Default nothing, which is not stored.
+        #[serde(default, skip_serializing_if = "Keep::is_default")]
+        keep: Keep,
     },
-    /// Categories get new mean colours; differences in lightness within them stay.
+    /// The main colours that are seen, by the area that they cover, get those of a palette, both from dark to light;
+    /// shading stays. Without a layer and conditions that exclude them, backgrounds change, too.
     Palette {
         /// The new colours.
         colours: Vec<Colour>,
@@ -486,6 +490,26 @@ pub enum ThinOrder {
     BlueNoise,
 }
 
+/// What a change of colours leaves within elements.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum Keep {
+    /// Nothing.
+    #[default]
+    Nothing,
+    /// Colours unlike the main one of their element, such as the heart of a flower; lighter and darker shades of the
+    /// main one move with it.
+    Details,
+}
+
+impl Keep {
+    /// Whether it is the default.
+    fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
 /// A direction for longer axes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
@@ -508,6 +532,13 @@ pub enum Condition {
         identity: Identity,
         /// The numbers: indices of categories and libraries, which people number from 1, or ids and numbers of motifs.
         numbers: Vec<u32>,
+        /// Whether it must be one of them; otherwise it must be none of them.
+        wanted: bool,
+    },
+    /// Its category is one of some, or none of them.
+    Named {
+        /// Names of categories in their libraries, in any case of letters, or their numbers from 1.
+        categories: Vec<String>,
         /// Whether it must be one of them; otherwise it must be none of them.
         wanted: bool,
     },

@@ -1,6 +1,6 @@
 //! Parameters of synthesis, as stored in the scene.
 
-use super::{Edge, Tile};
+use super::{Edge, Length, Tile};
 use crate::lattice::Lattice;
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
@@ -22,6 +22,10 @@ pub struct SynthParams {
     /// Height of the canvas.
     #[cfg_attr(feature = "schema", schemars(transform = Self::SIDE.limits()))]
     pub height: u32,
+    /// Width and height at which the canvas is printed or shown, such as `300mm`. A period that fits the canvas but for its
+    /// rounding to whole pixels is stretched to fit. Default: a pixel of CSS for each pixel.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub page: Option<[Length; 2]>,
     /// Seed of all random choices. Default 0.
     pub seed: u64,
     /// How primaries are placed. Default `auto`. A scene stores the method used.
@@ -314,6 +318,7 @@ impl Default for SynthParams {
         Self {
             width: Self::SIDE.default(),
             height: Self::SIDE.default(),
+            page: None,
             seed: 0,
             method: Method::default(),
             candidates: Self::CANDIDATES.default(),

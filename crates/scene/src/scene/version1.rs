@@ -75,6 +75,7 @@ impl From<SceneVersion1> for Scene {
             version: Self::VERSION,
             width: old.width,
             height: old.height,
+            page: None,
             tile: old.tile,
             parameters: old.parameters,
             program: old.program,

@@ -20,6 +20,7 @@ pub use given::GivenCategory;
 pub use masks_file::{MasksFile, masks_to_bytes};
 pub use perceptron::Perceptron;
 pub use regions::{OneTree, Regions};
+pub use tiles::pieces;
 
 use image::RgbImage;
 use vtex_base::error::Result;

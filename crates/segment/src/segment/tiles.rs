@@ -56,6 +56,19 @@ pub(super) fn segment(
     Ok(disjoint(&offers, width, height))
 }
 
+/// Width and height of each image that [`segment`] passes to its method, in their order: one, or the image at half its
+/// size or less, and then its tiles.
+pub fn pieces([width, height]: [u32; 2]) -> Vec<[u32; 2]> {
+    if u64::from(width) * u64::from(height) <= u64::from(LARGEST) * u64::from(LARGEST) {
+        return vec![[width, height]];
+    }
+    let mut all = pieces([width.div_ceil(2), height.div_ceil(2)]);
+    all.extend(
+        tiles(height).iter().flat_map(|(_, tall)| tiles(width).into_iter().map(|(_, wide)| [wide, *tall])),
+    );
+    all
+}
+
 /// Start and length of each tile of a side.
 fn tiles(side: u32) -> Vec<(u32, u32)> {
     if side <= LARGEST {
@@ -119,6 +132,20 @@ mod tests {
             let area = std::f64::consts::PI * r * r;
             assert!((f64::from(mask.mask.area()) - area).abs() < 4.0 * r + 4.0, "{cx} {cy}");
         }
+    }
+
+    #[test]
+    fn pieces_are_what_is_segmented_one_after_the_other() {
+        for size in [[500, 400], [2500, 2000], [9000, 500]] {
+            let seen = std::cell::RefCell::new(Vec::new());
+            let method = |image: &RgbImage| {
+                seen.borrow_mut().push(<[u32; 2]>::from(image.dimensions()));
+                Ok(Vec::new())
+            };
+            segment(&RgbImage::new(size[0], size[1]), &method).unwrap();
+            assert_eq!(seen.into_inner(), pieces(size));
+        }
+        assert_eq!(pieces([4000, 3000]).len(), 5);
     }
 
     #[test]

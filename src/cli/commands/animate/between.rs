@@ -125,6 +125,7 @@ pub(super) fn run(common: &Common, reporter: &Reporter, job: &Between) -> anyhow
             let first = &wanted[0];
             let summary = Summary {
                 size: drawing.size_of(&from, first.format()),
+                page: drawing.page(&from),
                 ..Summary::new("animate", names, first.path(), written, reporter)
             };
             return summary.print(common, false);
@@ -137,6 +138,7 @@ pub(super) fn run(common: &Common, reporter: &Reporter, job: &Between) -> anyhow
     let written = targets.write_scene(&scene, None, *drawing)?;
     let summary = Summary {
         size: drawing.size_of(&scene, targets.first.kind.format),
+        page: drawing.page(&scene),
         counts: Some(ElementCounts::of_scene(&scene)),
         ..Summary::new("animate", names, targets.path(), written, reporter)
     };

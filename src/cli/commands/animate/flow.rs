@@ -75,6 +75,7 @@ pub(super) fn run(common: &Common, reporter: &Reporter, job: &Flowed) -> anyhow:
     let summary = Summary {
         seed: Some(job.params.seed),
         size: drawing.size_of(&scene, first.format()),
+        page: drawing.page(&scene),
         ..Summary::new("animate", vec![job.scene.name()], first.path(), written, reporter)
     };
     summary.print(common, false)

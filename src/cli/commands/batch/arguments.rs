@@ -1,7 +1,7 @@
 //! The arguments of `vtex batch`.
 
 use super::jobs::JobSource;
-use super::values::{Extension, Shard};
+use super::values::{Extension, Forced, Shard};
 use crate::cli::options::analyze::AnalyzeFlags;
 use crate::cli::options::common;
 use crate::cli::options::control::ControlArgs;
@@ -27,9 +27,10 @@ Examples:
   vtex batch jobs.toml --out-dir textures --shard 2/8 --json
 
 A job that fails does not stop the others; the exit code is then 1. Run again, jobs that were done
-from the same input and parameters are skipped: DIR/batch.jsonl tells what was done. A file of jobs
-has the keys of --config at its top, for all jobs, then a [[job]] for each, with input (beside the
-file), output (a name without extension), format, and such keys of its own, as in [job.synth]."
+from the same input and parameters are skipped: DIR/batch.jsonl records them. A job during which the
+program was killed twice is left out; --force=NAME tries it again. A file of jobs has the keys of
+--config at its top, for all jobs, then a [[job]] for each, with input (beside the file), output (a
+name without extension), format, and such keys of its own, as in [job.synth]."
 )]
 pub(crate) struct BatchArgs {
     /// Photographs, drawings, libraries, folders (all pictures in them, and SVGs that vtex did not write, by
@@ -44,9 +45,11 @@ pub(crate) struct BatchArgs {
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     #[arg(value_parser = one_of(&Extension::ALL, str::parse::<Extension>), hide_possible_values = true)]
     pub(crate) format: Option<Vec<Extension>>,
-    /// Do all jobs anew, and replace existing files even if vtex did not write them
-    #[arg(short, long, help_heading = "Output")]
-    pub(crate) force: bool,
+    /// Do all jobs again, or those of --force=NAME,..., and replace existing files even if vtex did
+    /// not write them
+    #[arg(short, long, value_name = "NAME,...", help_heading = "Output")]
+    #[arg(num_args = 0..=1, require_equals = true, default_missing_value = Forced::ALL)]
+    pub(crate) force: Option<Forced>,
     /// Do only the I-th of N parts of the jobs, for many machines: every N-th from the I-th
     /// [1/1 to 10000/10000, default: 1/1]
     #[arg(long, value_name = "I/N", allow_hyphen_values = true)]

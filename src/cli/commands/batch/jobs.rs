@@ -100,7 +100,7 @@ impl JobsFile {
             _ => {
                 let failure = Failure::usage(format!("{shown} has no jobs"));
                 return Err(failure
-                    .hint("write [[job]] and below it input = \"photo.jpg\", for each")
+                    .hint("write [[job]] and below it input = \"photo.jpg\" or \"drawing.svg\", for each")
                     .into());
             }
         };
@@ -127,7 +127,7 @@ impl JobEntry {
         let (input, output, format) = (text("input")?, text("output")?, text("format")?);
         let Some(input) = input else {
             let failure = Failure::usage(format!("{place} has no input"));
-            return Err(failure.hint("write input = \"photo.jpg\""));
+            return Err(failure.hint("write input = \"photo.jpg\" or \"drawing.svg\""));
         };
         if table.contains_key("threads") {
             let failure = Failure::usage(format!("{place} has the key 'threads'"));
@@ -230,7 +230,8 @@ fn expanded(paths: Vec<PathBuf>) -> anyhow::Result<Vec<PathBuf>> {
             }
         }
         if found.is_empty() {
-            let failure = Failure::usage(format!("there are no pictures in '{}'", path.display()));
+            let failure =
+                Failure::usage(format!("there are no pictures and no SVGs in '{}'", path.display()));
             return Err(failure
                 .hint("folders inside of it are not looked into; name files one by one")
                 .into());

@@ -2,10 +2,11 @@
 
 use super::arguments::BatchArgs;
 use super::jobs::{self, BatchJob};
-use super::values::Shard;
+use super::values::{Forced, Shard, is_called};
 use crate::cli::command::Resolved;
 use crate::cli::failure::Failure;
 use crate::cli::input::Input;
+use crate::cli::nearest::nearest;
 use crate::cli::options::control::Steering;
 use crate::cli::options::engine::engine;
 use crate::cli::options::files::plain;
@@ -21,7 +22,8 @@ pub(crate) struct Batch {
     pub(crate) jobs: Vec<BatchJob>,
     pub(crate) out_dir: PathBuf,
     pub(crate) shard: Shard,
-    pub(crate) force: bool,
+    /// The jobs that are done again, and whose files replace any.
+    pub(crate) forced: Option<Forced>,
     pub(crate) engine: EngineOptions,
     pub(crate) steering: Steering,
     /// The seed of jobs without their own.
@@ -47,9 +49,26 @@ impl Batch {
         let steering = Steering::new(arguments.control, Vec::new());
         check_distinct(&jobs, &steering, &out_dir)?;
         let engine = engine(arguments.engine, parameters.threads);
-        let (shard, force) = (arguments.shard.unwrap_or(Shard::WHOLE), arguments.force);
-        Ok(Self { jobs, out_dir, shard, force, engine, steering, seed: *seed })
+        let (shard, forced) = (arguments.shard.unwrap_or(Shard::WHOLE), arguments.force);
+        check_forced(&jobs, forced.as_ref())?;
+        Ok(Self { jobs, out_dir, shard, forced, engine, steering, seed: *seed })
     }
+
+    /// Whether a job is done again, and its files replace any.
+    pub(crate) fn forces(&self, job: &BatchJob) -> bool {
+        self.forced.as_ref().is_some_and(|forced| forced.holds(&job.name, &job.input))
+    }
+}
+
+/// Fails if `--force` names a job that there is not.
+fn check_forced(jobs: &[BatchJob], forced: Option<&Forced>) -> Result<(), Failure> {
+    let Some(Forced::Jobs(wanted)) = forced else { return Ok(()) };
+    let is_known = |text: &&String| jobs.iter().any(|job| is_called(text, &job.name, &job.input));
+    let Some(unknown) = wanted.iter().find(|text| !is_known(text)) else { return Ok(()) };
+    let names: Vec<&str> = jobs.iter().map(|job| job.name.as_str()).collect();
+    let failure = Failure::usage(format!("--force={unknown} names no job of this batch"));
+    Err(failure
+        .hint(format!("jobs are named after their results: did you mean '{}'?", nearest(unknown, &names))))
 }
 
 /// Fails if a file would be read and written, or standard input read by every job.

@@ -8,7 +8,7 @@ use super::values::Shard;
 use crate::cli::interrupt::Passing;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -89,8 +89,8 @@ pub(crate) struct Records {
     path: PathBuf,
     /// The records of jobs that were done, by job and key; several where one was done again.
     done: BTreeMap<String, Vec<Record>>,
-    /// The jobs, with their keys, during which the program died and for which there is no newer record.
-    died: BTreeSet<String>,
+    /// How often the program died during jobs, by job and key, since they were last done.
+    deaths: BTreeMap<String, usize>,
 }
 
 /// A job and its key, by which its records are found.
@@ -128,21 +128,22 @@ impl Records {
         }
         files.sort();
         let mut done: BTreeMap<String, Vec<Record>> = BTreeMap::new();
-        let mut died = BTreeSet::new();
+        let mut deaths: BTreeMap<String, usize> = BTreeMap::new();
         for path in files {
             let bytes = fs::read(&path).map_err(|e| Error::read(&path, e))?;
             for line in bytes.split(|b| *b == b'\n') {
                 let Ok(record) = serde_json::from_slice::<Record>(line) else { continue };
                 let both = both(&record.job, &record.key);
                 if record.died {
-                    died.insert(both);
+                    // A job that was left out has a hint; it did not run.
+                    *deaths.entry(both).or_default() += usize::from(record.hint.is_none());
                 } else if record.status == Status::Done {
-                    died.remove(&both);
+                    deaths.remove(&both);
                     done.entry(both).or_default().push(record);
                 }
             }
         }
-        let records = Self { folder: folder.to_owned(), path: folder.join(name), done, died };
+        let records = Self { folder: folder.to_owned(), path: folder.join(name), done, deaths };
         records.with_dead()
     }
 
@@ -156,7 +157,7 @@ impl Records {
             }
             let bytes = fs::read(&path).map_err(|e| Error::read(&path, e))?;
             if let Ok(record) = serde_json::from_slice::<Record>(&bytes) {
-                self.died.insert(both(&record.job, &record.key));
+                *self.deaths.entry(both(&record.job, &record.key)).or_default() += 1;
                 self.add(&record)?;
             }
             fs::remove_file(&path).map_err(|e| Error::write(&path, e))?;
@@ -164,9 +165,9 @@ impl Records {
         Ok(self)
     }
 
-    /// Whether the program died during a job and has not completed it since.
-    pub(crate) fn died(&self, job: &str, key: &str) -> bool {
-        self.died.contains(&both(job, key))
+    /// How often the program died during a job since it was last done.
+    pub(crate) fn deaths(&self, job: &str, key: &str) -> usize {
+        self.deaths.get(&both(job, key)).copied().unwrap_or(0)
     }
 
     /// Marks a job as in progress until the returned value is dropped.
@@ -295,21 +296,27 @@ mod tests {
     }
 
     #[test]
-    fn the_job_of_a_process_that_died_is_known_until_it_is_done() {
+    fn deaths_of_the_process_during_a_job_are_counted_until_it_is_done() {
         let folder = tempfile::tempdir().unwrap();
         let open = || Records::open(folder.path(), Shard::WHOLE).unwrap();
         let job = record("a", "k", Vec::new());
         let running = open().begin(&job).unwrap();
-        assert!(!open().died("a", "k"), "the process lives");
+        assert_eq!(open().deaths("a", "k"), 0, "the process lives");
         drop(running);
-        assert!(!open().died("a", "k") && markers(folder.path()).unwrap().is_empty());
+        assert!(open().deaths("a", "k") == 0 && markers(folder.path()).unwrap().is_empty());
         // A marker without a lock, as a dead process leaves it.
-        let line = serde_json::to_vec(&Record { status: Status::Failed, died: true, ..job.clone() }).unwrap();
-        fs::write(folder.path().join(".batch-0aB9zZ.running"), line).unwrap();
-        assert!(open().died("a", "k") && markers(folder.path()).unwrap().is_empty());
-        assert!(open().died("a", "k") && !open().died("a", "other") && !open().died("b", "k"));
+        let dead = Record { status: Status::Failed, died: true, ..job.clone() };
+        for deaths in 1..3 {
+            fs::write(folder.path().join(".batch-0aB9zZ.running"), serde_json::to_vec(&dead).unwrap())
+                .unwrap();
+            assert!(open().deaths("a", "k") == deaths && markers(folder.path()).unwrap().is_empty());
+            // That it is left out is no further death.
+            open().add(&Record { hint: Some("--force".into()), ..dead.clone() }).unwrap();
+            assert_eq!(["a", "b"].map(|job| open().deaths(job, "k")), [deaths, 0]);
+            assert_eq!(open().deaths("a", "other"), 0);
+        }
         open().add(&job).unwrap();
-        assert!(!open().died("a", "k"));
+        assert_eq!(open().deaths("a", "k"), 0);
     }
 
     #[test]

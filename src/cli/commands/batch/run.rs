@@ -21,7 +21,7 @@ use crate::cli::panics::guarded;
 use crate::cli::progress::Reporter;
 use crate::cli::reading;
 use crate::cli::recipe;
-use crate::cli::values::{Seed, Wrap};
+use crate::cli::values::{Resolution, Seed, Wrap};
 use crate::cli::weights::read_weights;
 use serde::Serialize;
 use serde_json::Value;
@@ -79,6 +79,9 @@ struct ResolvedJob<'a> {
     analyze: AnalyzeParams,
     synth: SynthParams,
 }
+
+/// Number of times that the program ends during a job until the job is left out. The first may be a power cut.
+const DEATHS: usize = 2;
 
 /// A texture that is not written yet.
 struct UnwrittenTexture {
@@ -206,18 +209,27 @@ impl<'a> ResolvedJob<'a> {
         record.key = self.key(&bytes, is_library)?;
         drop(bytes);
         let files: Vec<String> = self.job.files().collect();
-        if let Some(known) = records.done(&record.job, &record.key, &files).filter(|_| !self.batch.force) {
+        let is_forced = self.batch.forces(self.job);
+        if let Some(known) = records.done(&record.job, &record.key, &files).filter(|_| !is_forced) {
             *record = Record { status: Status::Skipped, input: record.input.clone(), ..known.clone() };
             return Ok(());
         }
-        if !self.batch.force && records.died(&record.job, &record.key) {
+        let deaths = records.deaths(&record.job, &record.key);
+        if !is_forced && deaths >= DEATHS {
             record.died = true;
-            let failure = Failure::failed("the program ended while it did this job, so it is left out");
-            let hint = "give another input or other parameters, or --force to try it again; please report it";
+            let failure = Failure::failed("the program was killed twice during this job, so it is left out");
+            let hint = format!(
+                "give more memory, another input or other parameters; --force={} tries it again, and please \
+                 report it if vtex itself ended",
+                self.job.name
+            );
             return Err(failure.hint(hint).into());
         }
         let _running = records.begin(record)?;
         let reporter = Reporter::new(&self.common)?;
+        if deaths > 0 {
+            reporter.warn("the program was killed during this job in an earlier run; this is another try");
+        }
         let outcome = self.make(&reporter, is_library).and_then(|made| {
             reporter.stage("writing")?;
             for target in self.targets() {
@@ -235,7 +247,7 @@ impl<'a> ResolvedJob<'a> {
         let written = files.iter().map(|file| RecordedFile::of(&self.batch.out_dir, file));
         record.outputs = written.collect::<vtex::Result<_>>()?;
         record.seed = Some(self.synth.seed);
-        record.size = Some([made.scene.width, made.scene.height]);
+        record.size = Some(made.scene.picture_size(1.0));
         record.primaries = Some(made.scene.of_role(vtex::scene::Role::Primary).count());
         record.coverage = Some([made.report.coverage_wanted, made.report.coverage]);
         Ok(())
@@ -264,7 +276,10 @@ impl<'a> ResolvedJob<'a> {
 
     fn targets(&self) -> Vec<Target> {
         let target = |(file, format): (String, Extension)| Target {
-            place: Destination::File { path: self.batch.out_dir.join(file), force: self.batch.force },
+            place: Destination::File {
+                path: self.batch.out_dir.join(file),
+                force: self.batch.forces(self.job),
+            },
             kind: format.kind(),
         };
         self.job.files().zip(self.job.formats.iter().copied()).map(target).collect()
@@ -300,8 +315,13 @@ impl<'a> ResolvedJob<'a> {
                 Some(recipe::of(&parameters, analysis.masks(), (steering, None), &library, &self.input)?);
             vec![library]
         };
+        let mut synth = self.synth.clone();
+        self.job.parameters.size.set(&mut synth, &libraries, self.job.parameters.render.dpi.0);
+        if [synth.width, synth.height] != [self.synth.width, self.synth.height] {
+            controls = reading::controls(&self.batch.steering, &synth, 1, &Input::read)?;
+        }
         controls.structure = reading::structure_guide(&self.batch.steering, &libraries[0])?;
-        let (scene, report) = synthesize_with(&libraries, &self.synth, &controls, reporter)?;
+        let (scene, report) = synthesize_with(&libraries, &synth, &controls, reporter)?;
         Ok(UnwrittenTexture { library: libraries.remove(0), recipe, scene, report })
     }
 }
@@ -317,6 +337,9 @@ impl UnwrittenTexture {
         let written = match target.kind.format {
             Format::Library => target.write_bytes(&self.library.to_json())?,
             _ => {
+                // The scene has the page.
+                let render = RenderParameters { dpi: Resolution::default(), ..render };
+                let svg = svg.fit(std::slice::from_ref(&self.library));
                 let drawing = DrawingOptions { svg, render, recipe: self.recipe.as_ref() };
                 target.write_scene(&self.scene, drawing)?
             }

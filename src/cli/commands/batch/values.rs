@@ -37,6 +37,41 @@ impl FromStr for Extension {
     }
 }
 
+/// The jobs that are done again although they are done, or left out.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Forced {
+    All,
+    /// Those of these names or inputs.
+    Jobs(Vec<String>),
+}
+
+impl Forced {
+    /// The value of `--force` without jobs.
+    pub(crate) const ALL: &'static str = "";
+
+    /// Whether it holds for a job, known by its name or its input.
+    pub(crate) fn holds(&self, name: &str, input: &Path) -> bool {
+        match self {
+            Self::All => true,
+            Self::Jobs(jobs) => jobs.iter().any(|job| is_called(job, name, input)),
+        }
+    }
+}
+
+/// Whether a text that a user typed stands for a job: its name, or its input.
+pub(crate) fn is_called(text: &str, name: &str, input: &Path) -> bool {
+    text == name || Path::new(text) == input
+}
+
+impl FromStr for Forced {
+    type Err = std::convert::Infallible;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let jobs = || Self::Jobs(text.split(',').map(|job| job.trim().to_owned()).collect());
+        Ok(if text == Self::ALL { Self::All } else { jobs() })
+    }
+}
+
 /// A part of the jobs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Shard {
@@ -90,6 +125,14 @@ mod tests {
         for bad in ["", "1", "0/3", "4/3", "1/0", "-1/3", "1/10001", "a/b", "1/2/3"] {
             assert!(bad.parse::<Shard>().is_err(), "{bad}");
         }
+    }
+
+    #[test]
+    fn jobs_are_forced_by_name_or_input() {
+        let forced = |text: &str| text.parse::<Forced>().unwrap();
+        let holds = |text: &str| forced(text).holds("a", Path::new("photos/a.png"));
+        assert!(holds("") && holds("a") && holds("b, a") && holds("photos/a.png"));
+        assert!(!holds("b") && !holds("a.png") && !holds("b,c"));
     }
 
     #[test]

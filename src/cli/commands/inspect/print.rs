@@ -11,7 +11,7 @@ use anstyle::{AnsiColor, RgbColor, Style};
 use serde::Serialize;
 use vtex::library::{AnalyzeParams, Lattice, Library};
 use vtex::raster::colour::Colour;
-use vtex::scene::{CategoryId, EditRecord, Field, Role, Scene, SynthParams, Tile};
+use vtex::scene::{CategoryId, EditRecord, Field, Length, Role, Scene, SynthParams, Tile};
 
 /// The report on a file.
 #[derive(Debug, Serialize)]
@@ -25,6 +25,9 @@ struct Inspection {
     bytes: u64,
     /// Size of the exemplar or canvas, in pixels.
     size: [u32; 2],
+    /// Width and height of a scene's page.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    page: Option<[Length; 2]>,
     exemplars: Vec<ExemplarFile>,
     #[serde(skip_serializing_if = "Option::is_none")]
     segmenter: Option<String>,
@@ -160,6 +163,7 @@ fn of_library(library: &Library, file: String, bytes: u64) -> Inspection {
         program: source.program.clone(),
         bytes,
         size: [source.width, source.height],
+        page: None,
         exemplars: vec![ExemplarFile { file: source.file.clone(), sha256: source.sha256.clone() }],
         segmenter: Some(source.segmenter.clone()),
         seed: Some(source.parameters.seed),
@@ -218,6 +222,7 @@ fn of_scene(scene: &Scene, file: String, bytes: u64) -> Inspection {
         program: scene.program.clone(),
         bytes,
         size: [scene.width, scene.height],
+        page: scene.page,
         exemplars: exemplars.collect(),
         segmenter: None,
         seed: scene.parameters.as_ref().map(|p| p.seed),
@@ -280,6 +285,9 @@ impl Inspection {
         let mut line =
             |name: &str, value: String| text.push_str(&format!("{head}{name:12}{head:#} {value}\n"));
         line("size", format!("{} x {} px", self.size[0], self.size[1]));
+        if let Some([width, height]) = self.page {
+            line("page", format!("{width} x {height}"));
+        }
         for exemplar in &self.exemplars {
             let sum: String = exemplar.sha256.chars().take(12).collect();
             line("exemplar", escaped(&format!("{} (sha256 {sum}…)", exemplar.file)));

@@ -5,6 +5,7 @@ use crate::cli::format;
 use crate::cli::input::Input;
 use crate::cli::layer_maps::{MapFormat, MapTarget};
 use crate::cli::number::Takes;
+use crate::cli::options::analyze::layer;
 use crate::cli::options::common;
 use crate::cli::options::files::{ForceArgs, check_distinct, check_files};
 use crate::cli::output::Destination;
@@ -56,11 +57,12 @@ pub(crate) struct LayersArgs {
     /// Their order: the layers found, counted from 0 at the bottom, from the new bottom to the new top
     /// [default: the one in which layers that are not next to each other touch least]
     #[arg(long, value_name = "LAYER,...", value_delimiter = ',', help_heading = "Layers of the photograph")]
+    #[arg(value_parser = layer::<usize>)]
     pub(super) layer_order: Option<Vec<usize>>,
     /// A painted map of the photograph's size in place of the layers found
     #[arg(long, value_name = "FILE", help_heading = "Layers of the photograph", conflicts_with = "layers")]
     pub(super) layer_map: Option<PathBuf>,
-    /// Size of the map, 1000 or 1000x600
+    /// Size of the map: 1000, 1000x600, or lengths at 96 px to the inch: 300mm, 12in
     #[arg(long, value_name = "SIZE", help_heading = "The new map")]
     #[arg(takes = format!("1 to {} px each, default: as the input", Exemplar::LARGEST_SIDE))]
     pub(super) size: Option<Size>,
@@ -180,7 +182,7 @@ impl Mapping {
             return Err(Failure::usage("values of 16 bits can be written as .png only")
                 .hint("give -o a name that ends in .png, or leave out --continuous"));
         }
-        let size = a.size.map(|s| [s.width as usize, s.height as usize]);
+        let size = a.size.and_then(Size::pixels).map(|size| size.map(|side| side as usize));
         let wrap = a.tile.map_or([false; 2], |t| [t.0.x, t.0.y]);
         if a.heights.is_some() {
             return Ok(Self { from: From::Heights(input), size, wrap, seed, target });

@@ -63,7 +63,8 @@ fn asked(session: &Arc<Session>, call: &StudioCall) -> Answered {
         "picture" => picture(session, call),
         "variant" => variant(session, call),
         "commands" => commands(session, call),
-        "save" => save(session, call),
+        "save" => save(session, call).map(|bytes| StudioAnswer::bytes(Content::Download, bytes)),
+        "weigh" => weigh(session, call),
         _ => Ok(unknown()),
     }
 }
@@ -328,12 +329,12 @@ fn picture(session: &Arc<Session>, call: &StudioCall) -> Answered {
     let missing = || StudioAnswer::fault(404, "there is no such picture yet", None);
     let scale = call.parameter("scale").and_then(|text| text.parse::<f64>().ok()).unwrap_or(1.0);
     let drawn = |scene: &Scene, drawing: DrawingOptions<'_>| {
-        let area = f64::from(scene.width) * f64::from(scene.height);
+        let area = scene.picture_size(1.0).map(f64::from).iter().product::<f64>();
         let scale = scale.clamp(0.05, 8.0).min((PIXELS / area).sqrt());
         let render = RenderParameters { scale, ..drawing.render };
-        let picture = DrawingOptions { render, ..drawing }.picture(scene)?;
+        let picture = DrawingOptions { render, ..drawing }.picture_with(scene, &call.caller)?;
         let mut bytes = Vec::new();
-        png::encode(&picture, None, &mut bytes)?;
+        png::encode(&picture, None, None, &mut bytes)?;
         Ok(StudioAnswer::bytes(Content::Png, bytes))
     };
     match (call.parameter("of"), &opened.picture) {
@@ -396,8 +397,25 @@ fn commands(session: &Arc<Session>, call: &StudioCall) -> Answered {
     Ok(StudioAnswer::json(&json!({ "lines": commands.text(), "file": commands.result() })))
 }
 
+/// Most pixels of a PNG that is drawn to tell its bytes before it is saved.
+const WEIGHED: f64 = 4e6;
+
+/// The number of bytes of a file that is not saved yet, and the size of a picture. A large PNG takes too long.
+fn weigh(session: &Arc<Session>, call: &StudioCall) -> Answered {
+    let Wanted { format, scale } = wanted(call)?;
+    let canvas = {
+        let work = session.state();
+        active(&work)?.results.shown.as_ref().map_or([0; 2], |shown| [shown.scene.width, shown.scene.height])
+    };
+    let scale = if format == Format::Png { scale.unwrap_or(1.0) } else { 1.0 };
+    let size = canvas.map(|side| (f64::from(side) * scale).round());
+    let is_large = format == Format::Png && size[0] * size[1] > WEIGHED;
+    let bytes = if is_large { None } else { Some(save(session, call)?.len()) };
+    Ok(StudioAnswer::json(&json!({ "bytes": bytes, "size": size })))
+}
+
 /// The bytes of a file.
-fn save(session: &Arc<Session>, call: &StudioCall) -> Answered {
+fn save(session: &Arc<Session>, call: &StudioCall) -> anyhow::Result<Vec<u8>> {
     let wanted = wanted(call)?;
     let (opened, settings, library, shown) = {
         let work = session.state();
@@ -416,8 +434,7 @@ fn save(session: &Arc<Session>, call: &StudioCall) -> Answered {
     };
     let commands = Commands::new(&opened, &settings, wanted);
     let scene = shown.as_ref().map(|shown| &*shown.scene);
-    let bytes = on_threads(session.threads, || {
-        stages::write(&opened, &commands, wanted.format, library.as_deref(), scene)
-    })?;
-    Ok(StudioAnswer::bytes(Content::Download, bytes))
+    on_threads(session.threads, || {
+        stages::write(&opened, &commands, wanted.format, library.as_deref(), scene, &call.caller)
+    })
 }

@@ -25,7 +25,7 @@ pub(super) enum Stage {
 /// The options that the page may set, in its order, under their headings. Options that name files or programs
 /// are not among them.
 const OPTIONS: [(&str, Stage, &[&str]); 5] = [
-    ("Canvas", Stage::Synth, &["size", "tile"]),
+    ("Canvas", Stage::Synth, &["size", "dpi", "tile"]),
     (
         "Placement",
         Stage::Synth,
@@ -57,7 +57,7 @@ const OPTIONS: [(&str, Stage, &[&str]); 5] = [
             "lenient",
         ],
     ),
-    ("File", Stage::Write, &["background", "precision", "css", "expand", "dpi"]),
+    ("File", Stage::Write, &["background", "precision", "css", "expand"]),
 ];
 
 /// The stage of an option; `None` for one that the page may not set.

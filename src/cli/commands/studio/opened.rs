@@ -57,7 +57,7 @@ impl Opened {
             InputKind::Svg => {
                 let drawn = raster_svg::render_svg(&bytes, 1.0, &input.name(), &())?;
                 let mut picture = Vec::new();
-                png::encode(&drawn, None, &mut picture)?;
+                png::encode(&drawn, None, None, &mut picture)?;
                 (Some([drawn.width(), drawn.height()]), Some(picture))
             }
             _ => (None, None),

@@ -44,7 +44,7 @@ pub(super) struct Shown {
     pub(super) scene: Arc<Scene>,
     /// The categories of the scene before operations, with their colours now.
     pub(super) categories: Arc<Vec<Value>>,
-    /// Width and height of the whole canvas, of which a draft has less.
+    /// Width and height of the whole picture, of which a draft has less.
     pub(super) whole: [u32; 2],
     pub(super) draft: bool,
 }

@@ -18,7 +18,7 @@ use crate::cli::options::global::Global;
 use crate::cli::output::{Buffer, Destination, DrawingOptions, Target};
 use crate::cli::progress::Reporter;
 use crate::cli::reading;
-use crate::cli::synthesis::canvas;
+use crate::cli::synthesis::heavy;
 use clap::{Args, Parser};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -28,9 +28,10 @@ use vtex::edit::{self, Files, Operation};
 use vtex::library::Library;
 use vtex::output::file::{FileKind, Format};
 use vtex::output::png;
-use vtex::scene::Scene;
+use vtex::scene::{Scene, SynthParams};
 use vtex::segment::{MasksFile, Segmenter};
 use vtex::synth::{SynthesisMemory, synthesize_again};
+use vtex_studio::Caller;
 
 /// A command line of one command.
 #[derive(Parser)]
@@ -99,15 +100,15 @@ pub(super) fn analyze(
     library_of(&common, &analysis, opened.bytes.clone(), known, &reporter)
 }
 
-/// Width and height of the canvas of `vtex synth`.
+/// The canvas and page of `vtex synth`, without content.
 ///
 /// # Errors
 /// Options out of range.
-pub(super) fn canvas_of(library: &Library, words: &Words) -> anyhow::Result<[u32; 2]> {
+pub(super) fn canvas_of(library: &Library, words: &Words) -> anyhow::Result<Scene> {
     let ReadCommand { arguments, resolved, .. } = read::<SynthArgs>(words)?;
     let (_, synthesis) = arguments.synthesis(resolved.parameters)?;
-    let parameters = canvas(&synthesis.parameters, synthesis.sized, std::slice::from_ref(library));
-    Ok([parameters.width, parameters.height])
+    let SynthParams { width, height, page, .. } = synthesis.canvas(std::slice::from_ref(library));
+    Ok(Scene { page, ..Scene::new([width, height], Vec::new(), Vec::new()) })
 }
 
 /// Does `vtex synth`; with `most`, on a canvas of no more square pixels. `memory` is that of the last synthesis.
@@ -124,12 +125,16 @@ pub(super) fn synthesize(
     let ReadCommand { arguments, resolved, .. } = read::<SynthArgs>(words)?;
     let (_, synthesis) = arguments.synthesis(resolved.parameters)?;
     let libraries = std::slice::from_ref(library);
-    let mut parameters = canvas(&synthesis.parameters, synthesis.sized, libraries);
+    let mut parameters = synthesis.canvas(libraries);
     if let Some(most) = most {
         let area = f64::from(parameters.width) * f64::from(parameters.height);
         let share = (most / area).sqrt().min(1.0);
         let reduced = |side: u32| ((f64::from(side) * share) as u32).max(1);
         (parameters.width, parameters.height) = (reduced(parameters.width), reduced(parameters.height));
+        parameters.page = parameters.page.map(|page| page.map(|side| side.times(share)));
+    }
+    if let (None, Some([warning, hint])) = (most, heavy(&parameters, libraries, false)) {
+        listener.warn(&format!("{warning}; {hint}"));
     }
     let controls = reading::controls(&synthesis.steering, &parameters, 1, &|input| settings.file(input))?;
     let (scene, _) = synthesize_again(libraries, &parameters, &controls, memory, &**listener)?;
@@ -172,12 +177,20 @@ pub(super) fn write(
     format: Format,
     library: Option<&Library>,
     scene: Option<&Scene>,
+    caller: &Caller,
 ) -> anyhow::Result<Vec<u8>> {
-    let buffer = Buffer::default();
+    let buffer = Buffer::of(caller);
     let kind = FileKind { format, gzip: false };
     let target = Target { place: Destination::Memory(buffer.clone()), kind };
     match (format, library, scene) {
         (Format::Library, Some(library), _) => drop(target.write_bytes(&library.to_json())?),
+        (Format::Png, _, Some(scene)) => {
+            let drawing = drawing(opened, commands, library)?;
+            check_picture(scene, &drawing)?;
+            let picture = drawing.picture_with(scene, caller)?;
+            let seed = scene.parameters.as_ref().map(|p| p.seed);
+            target.place.write(|out| png::encode(&picture, seed, drawing.page(scene), out))?;
+        }
         (_, _, Some(scene)) => {
             let drawing = drawing(opened, commands, library)?;
             target.write_scene(scene, drawing)?;
@@ -185,6 +198,22 @@ pub(super) fn write(
         _ => return Err(Failure::failed("there is nothing to save yet").into()),
     }
     Ok(buffer.take())
+}
+
+/// Most pixels of a PNG that the page saves: it is in memory as a whole, four bytes each.
+const MOST_PIXELS: f64 = 100e6;
+
+/// Fails if the PNG of a scene would have too many pixels.
+fn check_picture(scene: &Scene, drawing: &DrawingOptions<'_>) -> Result<(), Failure> {
+    let [width, height] = drawing.size_of(scene, Format::Png);
+    let pixels = |scale: f64| scale * scale * f64::from(scene.width) * f64::from(scene.height);
+    if f64::from(width) * f64::from(height) <= MOST_PIXELS {
+        return Ok(());
+    }
+    let message = format!("a PNG of {width} x {height} px is too large for the studio");
+    let most = (10.0 * (MOST_PIXELS / pixels(1.0)).sqrt()).floor() / 10.0;
+    Err(Failure::failed(message)
+        .hint(format!("set a scale of at most {most}, or run the command below, which has no such limit")))
 }
 
 /// How the last of some commands draws a scene.

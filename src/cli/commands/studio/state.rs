@@ -82,8 +82,9 @@ fn state_of(one: &WorkSession) -> Value {
         })),
         "texture": one.results.shown.as_ref().map(|shown| json!({
             "number": shown.number,
-            "width": shown.scene.width,
-            "height": shown.scene.height,
+            "width": shown.scene.picture_size(1.0)[0],
+            "height": shown.scene.picture_size(1.0)[1],
+            "page": shown.scene.page,
             "whole": shown.whole,
             "draft": shown.draft,
             "tiles": [shown.scene.tile.x, shown.scene.tile.y],

@@ -159,11 +159,11 @@ fn draft(
 ) {
     let Some(words) = &commands.synth else { return };
     let Ok(whole) = stages::canvas_of(library, words) else { return };
-    if area(whole) <= DRAFT * HARDLY_LARGER {
+    if area([whole.width, whole.height]) <= DRAFT * HARDLY_LARGER {
         return;
     }
     if let Ok(scene) = stages::synthesize(library, settings, words, Some(DRAFT), synthesis) {
-        let _ = show(session, version, (settings, commands), Arc::new(scene), Some(whole));
+        let _ = show(session, version, (settings, commands), Arc::new(scene), Some(whole.picture_size(1.0)));
     }
 }
 
@@ -207,7 +207,7 @@ fn show(
     session.publish(version, |work, at| {
         let results = &mut work.sessions[at].results;
         let number = results.shown.as_ref().map_or(0, |shown| shown.number) + 1;
-        let whole = draft_of.unwrap_or([scene.width, scene.height]);
+        let whole = draft_of.unwrap_or(scene.picture_size(1.0));
         results.shown = Some(Shown { number, scene, categories, whole, draft: draft_of.is_some() });
         if draft_of.is_none() {
             work.done = version;
@@ -243,18 +243,20 @@ fn variants(
         let of = StudioSettings { seed, ..settings.clone() };
         let commands = stages::shown(opened, &of);
         let Some(words) = &commands.synth else { return Ok(()) };
-        let most = (area(stages::canvas_of(library, words)?) > VARIANT).then_some(DRAFT);
+        let whole = stages::canvas_of(library, words)?;
+        let most = (area([whole.width, whole.height]) > VARIANT).then_some(DRAFT);
         let scene = stages::synthesize(library, &of, words, most, synthesis)?;
         let scene = match &commands.last {
             Some(words) => stages::edit(&scene, &of, words)?,
             None => scene,
         };
         let drawing = stages::drawing(opened, &commands, Some(library))?;
-        let scale = (THUMBNAIL / f64::from(scene.width.max(scene.height))).min(1.0);
+        let [width, height] = scene.picture_size(1.0);
+        let scale = (THUMBNAIL / f64::from(width.max(height))).min(1.0);
         let render = RenderParameters { scale, ..drawing.render };
         let picture = DrawingOptions { render, ..drawing }.picture(&scene)?;
         let mut bytes = Vec::new();
-        png::encode(&picture, None, &mut bytes)?;
+        png::encode(&picture, None, None, &mut bytes)?;
         let thumbnail = Thumbnail { seed, png: bytes, of };
         if !session.publish(version, |work, at| work.sessions[at].thumbnails.push(thumbnail)) {
             break;

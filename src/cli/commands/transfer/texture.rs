@@ -109,6 +109,7 @@ pub(super) fn run(common: &Common, reporter: &Reporter, job: &Transferring) -> a
     let summary = Summary {
         seed: Some(params.seed),
         size: drawing.size_of(&scene, targets.first.kind.format),
+        page: drawing.page(&scene),
         counts: Some(ElementCounts::of_scene(&scene)),
         ..Summary::new("transfer", inputs, targets.path(), written, reporter)
     };
