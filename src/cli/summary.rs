@@ -542,7 +542,8 @@ fn reductions(given_up: &GivenUp) -> String {
         line.push_str(&format!(", {details} and {elements} are left out"));
     }
     if primaries > 0 {
-        line.push_str(&format!(", so are {primaries} large elements"));
+        let primaries = counted(primaries, "large element", "large elements");
+        line.push_str(&format!(", also {primaries}"));
     }
     if background > 1.0 {
         line.push_str(&format!(", the background is {background} times coarser"));

@@ -91,7 +91,7 @@ pub(super) fn take(
     Some((ids, categories))
 }
 
-/// Numbers clusters, that which covers most first.
+/// Numbers clusters by the area that they cover, the largest first.
 fn number(assigned: &[usize], features: &[Features], image_area: f64) -> (Vec<CategoryId>, Vec<Category>) {
     let count = assigned.iter().max().map_or(0, |m| m + 1);
     let mut areas = vec![None::<f64>; count];

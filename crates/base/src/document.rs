@@ -135,8 +135,8 @@ pub fn without_list(message: String) -> String {
     if names.matches("`, `").count() < MOST { message } else { format!("{before}{place}") }
 }
 
-/// A message of the JSON reader without the middle of long content that it quotes. What is expected, and where,
-/// stands at its end.
+/// A message of the JSON reader without the middle of long content that it quotes. The end says what is expected, and
+/// where.
 fn in_short(message: &str) -> String {
     const BEGINNING: usize = 100;
     const END: usize = 120;

@@ -28,9 +28,9 @@ const HEAD: usize = 4096;
 /// Largest coordinate of a shape, in pixels of the picture: curves beyond some 10⁹ cannot be drawn.
 const FURTHEST: f32 = 1e8;
 
-/// Most time for drawing, in nanoseconds: for any file, and more for each of its megabytes, since a large file takes long.
+/// Maximum time for drawing, in nanoseconds: for any file, and for each of its megabytes in addition.
 const MOST_TIME: [f64; 2] = [1e10, 1e10];
-/// Most memory for layers, patterns and the like, in bytes; where a canvas is large, so many times its own.
+/// Maximum memory for layers, patterns and masks, in bytes; for large canvases as a multiple of their own memory.
 const MOST_MEMORY: f64 = 1e9;
 const MOST_CANVASES: f64 = 4.0;
 /// Largest number of attributes of an element: the parser compares them all with each other.

@@ -12,8 +12,8 @@ const ALIKE: f64 = 0.7;
 /// Factor by which that distance grows while there are too many categories.
 const WIDER: f64 = 1.3;
 
-/// Gives each element its category. There are at most `most` categories, that which covers most first. `shares` are
-/// the shares of the page that elements cover.
+/// Gives each element its category. There are at most `most` categories, numbered by the area that they cover, the
+/// largest first. `shares` are the shares of the page that elements cover.
 pub(super) fn categorise(elements: &mut [ExemplarElement], shares: &[f64], most: usize) -> Vec<Category> {
     let features: Vec<Features> = elements.iter().map(features).collect();
     let mut reach = ALIKE;

@@ -54,7 +54,7 @@ struct Estimate {
 }
 
 impl Estimate {
-    /// What is done while a picture of so many bytes is open.
+    /// Runs `within` while a picture of `bytes` bytes is open.
     fn holding(&mut self, bytes: f64, within: impl FnOnce(&mut Self)) {
         self.held += bytes;
         self.cost.memory = self.cost.memory.max(self.held);
@@ -71,7 +71,7 @@ impl Estimate {
         if !group.should_isolate() {
             return self.children(group, map);
         }
-        let pixels = self.layer(group.layer_bounding_box().to_rect(), map);
+        let pixels = self.pixels(group.layer_bounding_box().to_rect(), map);
         self.cost.time += LAYER * pixels;
         self.holding(PIXEL * pixels, |estimate| {
             estimate.children(group, map);
@@ -81,8 +81,8 @@ impl Estimate {
         });
     }
 
-    /// Pixels of a layer that holds what lies in a rectangle: the renderer cuts layers at five times the canvas.
-    fn layer(&self, bounds: Rect, map: Transform) -> f64 {
+    /// Pixels of a layer that holds a rectangle: the renderer cuts layers at five times the canvas.
+    fn pixels(&self, bounds: Rect, map: Transform) -> f64 {
         let drawn =
             bounds.transform(map).map_or([f64::INFINITY; 2], |b| [b.width(), b.height()].map(f64::from));
         (0..2).map(|k| (drawn[k] + 4.0).min(5.0 * self.canvas[k])).product()
@@ -150,14 +150,15 @@ impl Estimate {
         }
         let lines = PathLines::of(path.data(), map);
         if let Some(fill) = path.fill() {
-            let area = self.seen(path.bounding_box(), map).min(lines.area);
+            let area = self.pixels(path.bounding_box(), map).min(lines.area);
             self.cost.time += CROSSING * lines.crossings(1.0, 0.0, path.bounding_box(), map);
             self.paint(fill.paint(), area, map);
         }
         if let Some(stroke) = path.stroke() {
             let scale = (map.sx.abs() + map.kx.abs()).max(map.sy.abs() + map.ky.abs());
             let width = f64::from(stroke.width().get() * scale);
-            let area = self.seen(path.stroke_bounding_box(), map).min((lines.length + width) * (width + 2.0));
+            let area =
+                self.pixels(path.stroke_bounding_box(), map).min((lines.length + width) * (width + 2.0));
             let dashes = stroke.dasharray().map_or(0.0, |pattern| {
                 let period: f64 = pattern.iter().map(|d| f64::from(d * scale)).sum();
                 lines.length / period * pattern.len() as f64
@@ -167,12 +168,6 @@ impl Estimate {
                 CROSSING * lines.crossings(2.0, dashes * width, path.stroke_bounding_box(), map);
             self.paint(stroke.paint(), area, map);
         }
-    }
-
-    /// Pixels of the canvas within a rectangle.
-    fn seen(&self, bounds: Rect, map: Transform) -> f64 {
-        let Some(b) = bounds.transform(map) else { return self.canvas[0] * self.canvas[1] };
-        (0..2).map(|k| f64::from([b.width(), b.height()][k]).min(5.0 * self.canvas[k])).product()
     }
 
     fn paint(&mut self, paint: &Paint, pixels: f64, map: Transform) {

@@ -41,7 +41,7 @@ pub(super) struct Ranks {
 struct Rank([usize; 2]);
 
 impl Rank {
-    /// Whether it is none of the first of either order.
+    /// Whether its rank in both orders is at least `first`.
     fn stays(self, first: [usize; 2]) -> bool {
         (0..2).all(|k| self.0[k] >= first[k])
     }

@@ -30,7 +30,7 @@ A job that fails does not stop the others; the exit code is then 1. Run again, j
 from the same input and parameters are skipped: DIR/batch.jsonl records them. A job during which the
 program was killed twice is left out; --force=NAME tries it again. A file of jobs has the keys of
 --config at its top, for all jobs, then a [[job]] for each, with input (beside the file), output (a
-name without extension), format, and such keys of its own, as in [job.synth]."
+name without extension), format, and keys for this job alone, as in [job.synth]."
 )]
 pub(crate) struct BatchArgs {
     /// Photographs, drawings, libraries, folders (all pictures in them, and SVGs that vtex did not write, by

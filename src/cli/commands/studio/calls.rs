@@ -397,7 +397,7 @@ fn commands(session: &Arc<Session>, call: &StudioCall) -> Answered {
     Ok(StudioAnswer::json(&json!({ "lines": commands.text(), "file": commands.result() })))
 }
 
-/// Most pixels of a PNG that is drawn to tell its bytes before it is saved.
+/// Maximum size of a PNG that is drawn to show its file size before it is saved, in pixels.
 const WEIGHED: f64 = 4e6;
 
 /// The number of bytes of a file that is not saved yet, and the size of a picture. A large PNG takes too long.

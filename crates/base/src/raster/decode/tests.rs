@@ -140,7 +140,7 @@ fn pngs_say_their_colours_in_chunks() {
     let p3 = || (b"cHRM", numbers(&[31270, 32900, 68000, 32000, 26500, 69000, 15000, 6000]));
     assert_near(middle(&png_with(&[gamma(45455), p3()])).0, P3, 1);
     assert_near(middle(&png_with(&[(b"cICP", vec![12, 13, 0, 1])])).0, P3, 1);
-    // An exponent of its own: 255 · encoded((v / 255)^(1 / exponent)).
+    // An exponent that is not that of sRGB: 255 · encoded((v / 255)^(1 / exponent)).
     assert_near(middle(&png_with(&[gamma(100_000)])).0, [221, 129, 113], 1);
     for plain in [
         vec![],
