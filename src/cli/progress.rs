@@ -573,6 +573,46 @@ mod tests {
         }
     }
 
+    /// When joining reports its steps, of 1000, in shares of its time: measured with a photograph of six megapixels.
+    const JOINING: [(u64, f64); 10] = [
+        (0, 0.0),
+        (280, 0.41),
+        (440, 0.5),
+        (531, 0.57),
+        (583, 0.63),
+        (612, 0.665),
+        (650, 0.715),
+        (715, 0.765),
+        (752, 0.79),
+        (773, 0.8),
+    ];
+
+    #[test]
+    fn the_bar_follows_the_rounds_of_joining() {
+        let seconds = [
+            0.49, 0.23, 0.15, 9.66, 0.04, 0.32, 0.85, 1.74, 2.74, 1.49, 7.22, 1.42, 0.48, 0.19, 0.04, 0.25,
+            0.35,
+        ];
+        let plan = plan(ElementFinder::Texton, [1342, 894], Some(0.2));
+        let total: f64 = seconds.iter().sum();
+        let mut whole = TotalProgress::default();
+        whole.enter("reading", 0.0);
+        whole.plan(&plan);
+        let mut begin = 0.0;
+        for ((stage, _), own) in plan.stages().into_iter().zip(seconds) {
+            whole.enter(stage, begin);
+            for k in 0..=40 {
+                let part = f64::from(k) / 40.0;
+                let done = JOINING.iter().filter(|(_, since)| *since <= part).map(|step| step.0).max();
+                whole.steps = if stage == "joining" { (done.unwrap_or(0), 1000) } else { (0, 0) };
+                let (shown, true_share) = (whole.share(begin + own * part), (begin + own * part) / total);
+                let apart = (shown - true_share).abs();
+                assert!(apart <= 0.1, "{stage} {part}: {shown:.3} at {true_share:.3}");
+            }
+            begin += own;
+        }
+    }
+
     #[test]
     fn a_large_photograph_is_segmented_in_pieces_and_the_bar_moves_in_each() {
         let size = [4000, 3000];

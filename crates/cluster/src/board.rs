@@ -230,6 +230,22 @@ impl<'a> Board<'a> {
 
     /// The elements whose reference points are closer than `radius`, with the ways to them, by number.
     pub(crate) fn near(&self, at: [f64; 2], radius: f64) -> Vec<(usize, BoardElement, [f64; 2])> {
+        let mut found = Vec::new();
+        self.any_near(at, radius, |id, element, way| {
+            found.push((id, element, way));
+            false
+        });
+        found.sort_by_key(|f| f.0);
+        found
+    }
+
+    /// Whether one of the elements of [`Board::near`], in any order, `is` something.
+    fn any_near(
+        &self,
+        at: [f64; 2],
+        radius: f64,
+        mut is: impl FnMut(usize, BoardElement, [f64; 2]) -> bool,
+    ) -> bool {
         let at = self.plane.wrapped(at);
         let side = [0, 1].map(|k| self.plane.size[k] / self.cells[k] as f64);
         let range = |k: usize| {
@@ -246,28 +262,30 @@ impl<'a> Board<'a> {
             }
         };
         let (columns, rows) = (range(0), range(1));
-        let mut found = Vec::new();
         for row in rows {
             for column in &columns {
                 for &id in &self.lists[row * self.cells[0] + column] {
                     let Some(element) = self.elements[id as usize] else { continue };
                     let way = self.plane.between(at, element.at);
-                    if length(way) < radius {
-                        found.push((id as usize, element, way));
+                    if length(way) < radius && is(id as usize, element, way) {
+                        return true;
                     }
                 }
             }
         }
-        found.sort_by_key(|f| f.0);
-        found
+        false
     }
 
     /// The elements that may clash with one at a place: number, figure, and the way there.
     fn within_reach(&self, element: BoardElement) -> impl Iterator<Item = (usize, u32, [f64; 2])> + '_ {
-        let figure = self.figure(element.place);
-        let reach = self.relations.reach[figure as usize] + self.largest + self.relations.clearance + 1.0;
-        let near = self.near(element.at, reach).into_iter();
+        let near = self.near(element.at, self.reach_of(element)).into_iter();
         near.map(|(id, other, way)| (id, self.figure(other.place), way))
+    }
+
+    /// Distance up to which others may clash with an element.
+    fn reach_of(&self, element: BoardElement) -> f64 {
+        let figure = self.figure(element.place);
+        self.relations.reach[figure as usize] + self.largest + self.relations.clearance + 1.0
     }
 
     /// The elements that clash with one at a place, but for `own`, and by how many pixels.
@@ -282,9 +300,9 @@ impl<'a> Board<'a> {
     pub(crate) fn fits(&self, element: BoardElement) -> bool {
         let figure = self.figure(element.place);
         self.is_open(element.at)
-            && self
-                .within_reach(element)
-                .all(|(_, other, way)| self.relations.clash(figure, other, way) == 0.0)
+            && !self.any_near(element.at, self.reach_of(element), |_, other, way| {
+                self.relations.clash(figure, self.figure(other.place), way) > 0.0
+            })
     }
 
     /// How much nearer an element of the same class is than in the exemplar, 0 to 1.
@@ -292,9 +310,14 @@ impl<'a> Board<'a> {
         let figure = self.figure(element.place);
         let class = |figure: u32| self.relations.class[figure as usize];
         let wanted = self.relations.twin_distance[class(figure) as usize];
-        let near = self.near(element.at, 0.98 * wanted).into_iter();
-        let twins = near.filter(|n| Some(n.0) != own && class(self.figure(n.1.place)) == class(figure));
-        twins.map(|n| 1.0 - length(n.2) / wanted).fold(0.0, f64::max)
+        let mut nearest = 0.0;
+        self.any_near(element.at, 0.98 * wanted, |id, other, way| {
+            if Some(id) != own && class(self.figure(other.place)) == class(figure) {
+                nearest = f64::max(nearest, 1.0 - length(way) / wanted);
+            }
+            false
+        });
+        nearest
     }
 
     /// How well an element fits among its neighbours: the mean over the neighbours that it has in the exemplar, 1 for

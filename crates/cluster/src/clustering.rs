@@ -6,13 +6,12 @@
 
 use crate::cut::normalised_cut;
 use crate::input::InputSamples;
-use crate::output::OutputSamples;
-use crate::shape_energy::shape_match;
+use crate::output::{OutputSamples, in_groups};
+use crate::shape_energy::{ClusterWork, shape_match, shape_match_below};
 use crate::votes::PairVotes;
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
 use vtex_base::error::Result;
-use vtex_base::geometry::dense::DenseAssignment;
 use vtex_base::geometry::plane::length;
 use vtex_base::parallel;
 
@@ -22,6 +21,11 @@ const SHAPE_WEIGHT: f64 = 4.0;
 const STEPS: f64 = 1e6;
 /// Operations between two questions whether to go on.
 const OPERATIONS: usize = 256;
+/// Steps after which clusters stay as they are, for all levels together: some five seconds. Drawings whose elements are
+/// small and side by side need less than half of it; shapes as large as the page, one over the other, a hundred times it.
+pub(crate) const MOST_STEPS: u64 = 400_000_000;
+/// Steps between two questions whether to go on.
+const STEPS_AT_ONCE: u64 = 4_000_000;
 /// Clusters of more samples are not split.
 const MOST_SPLIT: usize = 2000;
 
@@ -70,10 +74,13 @@ struct Clustering<'a> {
     members: Vec<Vec<u32>>,
     shape: Vec<f64>,
     version: Vec<u32>,
-    work: DenseAssignment,
+    work: &'a mut ClusterWork,
+    /// Steps at the last question whether to go on.
+    asked: u64,
 }
 
-/// Improves the clusters of samples. Returns what was done, and the energy before and after.
+/// Improves the clusters of samples until `work` has [`MOST_STEPS`] steps. Returns what was done, and the energy before and
+/// after.
 ///
 /// # Errors
 /// Those of `go_on`.
@@ -81,7 +88,7 @@ pub(crate) fn improve_clusters(
     output: &mut OutputSamples,
     input: &InputSamples,
     votes: &PairVotes,
-    parts: ClusteringParts,
+    (parts, work): (ClusteringParts, &mut ClusterWork),
     go_on: &dyn Fn() -> Result<()>,
 ) -> Result<(ClusterOperations, [f64; 2])> {
     let of_pair = |k: usize| votes.link(k).filter(|_| !parts.no_link).map_or(0.0, |l| 1.0 - 2.0 * l);
@@ -97,16 +104,16 @@ pub(crate) fn improve_clusters(
         members,
         shape: Vec::new(),
         version,
-        work: DenseAssignment::default(),
+        asked: work.steps,
+        work,
     };
-    state.measure();
+    state.measure(go_on)?;
     let before = state.energy();
     let mut done = ClusterOperations::default();
     if !parts.no_switch {
         done.switched = state.switch(go_on)?;
-        state.measure();
+        state.measure(go_on)?;
     }
-    go_on()?;
     state.merge_and_split(&mut done, go_on)?;
     let after = state.energy();
     output.renumber();
@@ -115,19 +122,51 @@ pub(crate) fn improve_clusters(
 
 impl Clustering<'_> {
     /// Shape energies of all clusters.
-    fn measure(&mut self) {
+    fn measure(&mut self, go_on: &dyn Fn() -> Result<()>) -> Result<()> {
         let Self { output, input, members, parts, .. } = self;
         let of = |members: &Vec<u32>| {
-            let work = &mut DenseAssignment::default();
-            let found = shape_match(output, input, members, |_| true, work);
-            found.filter(|_| !parts.no_shape).map_or(0.0, |m| m.energy)
+            let mut work = ClusterWork::default();
+            let found = shape_match(output, input, members, |_| true, &mut work);
+            (found.filter(|_| !parts.no_shape).map_or(0.0, |m| m.energy), work.steps)
         };
-        self.shape = parallel::map(members, of);
+        let mut shape = Vec::with_capacity(members.len());
+        for group in in_groups(members) {
+            go_on()?;
+            for (energy, steps) in parallel::map(group, of) {
+                shape.push(energy);
+                self.work.steps += steps;
+            }
+        }
+        self.shape = shape;
+        Ok(())
     }
 
-    fn shape_of(&mut self, members: &[u32]) -> f64 {
-        let found = shape_match(self.output, self.input, members, |_| true, &mut self.work);
-        found.filter(|_| !self.parts.no_shape).map_or(0.0, |m| m.energy)
+    /// Whether clusters have to stay as they are.
+    fn is_over(&self) -> bool {
+        self.work.steps >= MOST_STEPS
+    }
+
+    /// The shape energy of some samples.
+    fn shape_of(&mut self, members: &[u32], go_on: &dyn Fn() -> Result<()>) -> Result<f64> {
+        Ok(self.shape_below(members, f64::INFINITY, go_on)?.unwrap_or(0.0))
+    }
+
+    /// The shape energy of some samples, if it is below `bound`.
+    fn shape_below(
+        &mut self,
+        members: &[u32],
+        bound: f64,
+        go_on: &dyn Fn() -> Result<()>,
+    ) -> Result<Option<f64>> {
+        if self.parts.no_shape {
+            return Ok(Some(0.0));
+        }
+        if self.work.steps - self.asked > STEPS_AT_ONCE {
+            self.asked = self.work.steps;
+            go_on()?;
+        }
+        let Self { output, input, work, .. } = self;
+        Ok(shape_match_below(output, input, members, (|_| true, bound), work).map(|m| m.energy))
     }
 
     fn energy(&self) -> f64 {
@@ -191,7 +230,7 @@ impl Clustering<'_> {
             if stamp[s] != at {
                 continue;
             }
-            if done >= count {
+            if done >= count || self.is_over() {
                 break;
             }
             if usize::is_multiple_of(done, OPERATIONS) {
@@ -205,6 +244,7 @@ impl Clustering<'_> {
             let changed = self.votes.near.range(s).map(|k| self.votes.near.ids[k] as usize).chain([s]);
             for other in changed.collect::<Vec<_>>() {
                 stamp[other] += 1;
+                self.work.steps += self.votes.near.range(other).len() as u64;
                 if let Some((gain, c)) = self.best_switch(other) {
                     queue.push((gain, Reverse(other), c, stamp[other]));
                 }
@@ -232,23 +272,24 @@ impl Clustering<'_> {
     }
 
     /// The gain of merging two adjacent clusters in steps, if it is positive.
-    fn merge_gain(&mut self, a: u32, b: u32) -> Option<i64> {
+    fn merge_gain(&mut self, a: u32, b: u32, go_on: &dyn Fn() -> Result<()>) -> Result<Option<i64>> {
         let (sum, adjacent) = self.between(a, b);
         let parts = self.shape[a as usize] + self.shape[b as usize];
         // No shape is better than a perfect one.
-        if !adjacent || SHAPE_WEIGHT * parts - 4.0 * sum <= 0.0 {
-            return None;
+        let most = parts - 4.0 * sum / SHAPE_WEIGHT;
+        if !adjacent || most <= 0.0 {
+            return Ok(None);
         }
         let both = [&self.members[a as usize][..], &self.members[b as usize][..]].concat();
-        let gain = SHAPE_WEIGHT * (parts - self.shape_of(&both)) - 4.0 * sum;
-        Some((gain * STEPS) as i64).filter(|g| *g > 0)
+        let gain = |shape| ((SHAPE_WEIGHT * (parts - shape) - 4.0 * sum) * STEPS) as i64;
+        Ok(self.shape_below(&both, most, go_on)?.map(gain).filter(|g| *g > 0))
     }
 
     /// The gain of splitting a cluster by its links, in steps, and the samples that leave; if it is positive.
-    fn split_gain(&mut self, a: u32) -> Option<(i64, Vec<u32>)> {
+    fn split_gain(&mut self, a: u32, go_on: &dyn Fn() -> Result<()>) -> Result<Option<(i64, Vec<u32>)>> {
         let members = &self.members[a as usize];
         if members.len() < 2 || members.len() > MOST_SPLIT {
-            return None;
+            return Ok(None);
         }
         let near = &self.votes.near;
         let mut apart = 0.0;
@@ -260,7 +301,7 @@ impl Clustering<'_> {
             }
         }
         if 2.0 * apart + SHAPE_WEIGHT * self.shape[a as usize] <= 0.0 {
-            return None;
+            return Ok(None);
         }
         let of: BTreeMap<u32, usize> = members.iter().enumerate().map(|(i, s)| (*s, i)).collect();
         let links = |s: u32| {
@@ -268,7 +309,7 @@ impl Clustering<'_> {
             own.filter_map(|k| Some((*of.get(&near.ids[k])?, self.votes.link(k)?))).collect::<Vec<_>>()
         };
         let graph: Vec<Vec<(usize, f64)>> = members.iter().map(|s| links(*s)).collect();
-        let side = normalised_cut(&graph)?;
+        let Some(side) = normalised_cut(&graph) else { return Ok(None) };
         let take = |which: bool| -> Vec<u32> {
             members.iter().zip(&side).filter(|(_, s)| **s == which).map(|(m, _)| *m).collect()
         };
@@ -280,9 +321,12 @@ impl Clustering<'_> {
                     of.get(&near.ids[k]).filter(|j| side[**j] != side[i]).map_or(0.0, |_| self.together[k]);
             }
         }
-        let parts = self.shape_of(&stay) + self.shape_of(&leave);
+        let most = self.shape[a as usize] + 4.0 * cut / SHAPE_WEIGHT;
+        let Some(first) = self.shape_below(&stay, most, go_on)? else { return Ok(None) };
+        let Some(second) = self.shape_below(&leave, most - first, go_on)? else { return Ok(None) };
+        let parts = first + second;
         let gain = SHAPE_WEIGHT * (self.shape[a as usize] - parts) + 4.0 * cut;
-        Some(((gain * STEPS) as i64, leave)).filter(|g| g.0 > 0)
+        Ok(Some(((gain * STEPS) as i64, leave)).filter(|g| g.0 > 0))
     }
 
     fn neighbours(&self, a: u32) -> Vec<u32> {
@@ -309,7 +353,7 @@ impl Clustering<'_> {
             if (a as usize).is_multiple_of(OPERATIONS) {
                 go_on()?;
             }
-            self.push(a, true, &mut queue);
+            self.push(a, true, &mut queue, go_on)?;
         }
         let mut operations = 0;
         while let Some((_, Reverse(operation), versions)) = queue.pop() {
@@ -320,7 +364,7 @@ impl Clustering<'_> {
             if versions != [self.version[a as usize], self.version[b as usize]] {
                 continue;
             }
-            if operations >= count {
+            if operations >= count || self.is_over() {
                 break;
             }
             if usize::is_multiple_of(operations, 16) {
@@ -352,31 +396,43 @@ impl Clustering<'_> {
             for c in [a, new] {
                 self.version[c as usize] += 1;
                 let members = self.members[c as usize].clone();
-                self.shape[c as usize] = self.shape_of(&members);
+                self.shape[c as usize] = self.shape_of(&members, go_on)?;
             }
-            [a, new].into_iter().for_each(|c| self.push(c, false, &mut queue));
+            for c in [a, new] {
+                self.push(c, false, &mut queue, go_on)?;
+            }
         }
         Ok(())
     }
 
     /// Queues the operations of a cluster; merges with earlier clusters only if asked for by `later` being false.
-    fn push(&mut self, a: u32, later: bool, queue: &mut BinaryHeap<(i64, Reverse<Operation>, [u32; 2])>) {
+    fn push(
+        &mut self,
+        a: u32,
+        later: bool,
+        queue: &mut BinaryHeap<(i64, Reverse<Operation>, [u32; 2])>,
+        go_on: &dyn Fn() -> Result<()>,
+    ) -> Result<()> {
         if self.is_given(a) {
-            return;
+            return Ok(());
         }
         let own = self.version[a as usize];
         if !self.parts.no_merge {
             for b in self.neighbours(a).into_iter().filter(|b| !later || *b > a) {
-                if let Some(gain) = self.merge_gain(a, b) {
+                if self.is_over() {
+                    return Ok(());
+                }
+                if let Some(gain) = self.merge_gain(a, b, go_on)? {
                     let versions = [own, self.version[b as usize]];
                     queue.push((gain, Reverse(Operation::Merge(a, b)), versions));
                 }
             }
         }
         if !self.parts.no_split
-            && let Some((gain, leave)) = self.split_gain(a)
+            && let Some((gain, leave)) = self.split_gain(a, go_on)?
         {
             queue.push((gain, Reverse(Operation::Split(a, leave)), [own; 2]));
         }
+        Ok(())
     }
 }

@@ -70,7 +70,9 @@ fn spots(board: &Board<'_>, element: BoardElement) -> Vec<[f64; 2]> {
 
 /// Whether an element with a number from `first` on is near a place.
 fn is_near(board: &Board<'_>, at: [f64; 2], within: f64, first: usize) -> bool {
-    let near = board.near(at, within + board.largest).into_iter().filter(|n| n.0 >= first);
-    let mut spots = near.flat_map(|n| spots(board, n.1));
+    let reach = within + board.largest;
+    let new = board.elements[first..].iter().flatten();
+    let near = new.filter(|e| length(board.plane.between(at, e.at)) < reach);
+    let mut spots = near.flat_map(|e| spots(board, *e));
     spots.any(|s| length(board.plane.between(at, s)) <= within)
 }

@@ -2,7 +2,7 @@
 
 use crate::balance::balance;
 use crate::board::{Board, BoardElement};
-use crate::clustering::{ClusterOperations, ClusteringParts, improve_clusters};
+use crate::clustering::{ClusterOperations, ClusteringParts, MOST_STEPS, improve_clusters};
 use crate::depth::ordered;
 use crate::existence::add_missing;
 use crate::figures::ClusterExemplar;
@@ -14,6 +14,7 @@ use crate::positions::improve_positions;
 use crate::rebuild::{rebuilt, sampled};
 use crate::relations::PlaceRelations;
 use crate::search::search;
+use crate::shape_energy::ClusterWork;
 use crate::standing::{ClusterContext, StandingElements, recognised};
 use crate::votes::PairVotes;
 use std::collections::BTreeMap;
@@ -102,6 +103,8 @@ pub struct LevelReport {
     pub added: usize,
     /// Operations on clusters.
     pub operations: ClusterOperations,
+    /// Steps of clustering, some nanoseconds each: distances measured to compare shapes, and pairs of samples looked at.
+    pub steps: u64,
     /// Clusters at the end, and those that became elements.
     pub clusters: [usize; 2],
     /// Elements mended.
@@ -184,6 +187,7 @@ fn arranged(
     let (mut board, first) = first_arrangement(&relations, plane, (own.page, params), go_on)?;
     let mut levels = Vec::new();
     let mut last = None;
+    let mut work = ClusterWork::default();
     for scale in scales(&relations) {
         let mut input = InputSamples::new(&scene, scale, params.seed, go_on)?;
         input.without_context = params.without_context;
@@ -193,14 +197,19 @@ fn arranged(
             break;
         }
         let (output, votes, mut report) =
-            level_of(sampled(&board, &input), &input, (params, standing), go_on)?;
-        let (new, of_cluster) = rebuilt(&output, &input, &relations, plane);
-        board = new;
-        report.clusters = [of_cluster.len(), of_cluster.iter().filter(|c| **c != NONE).count()];
-        report.mended = mend(&mut board, params.seed, go_on)?;
+            level_of(sampled(&board, &input), &input, (params, standing), &mut work, go_on)?;
         report.distance = scale.distance / unit;
         let samples = output.points.iter().zip(&output.cluster);
         report.output = samples.map(|(p, &cluster)| ClusterSample { at: shown(*p), cluster }).collect();
+        if work.steps >= MOST_STEPS {
+            // Clusters were left in the middle of it: the arrangement stays as it was.
+            levels.push(report);
+            break;
+        }
+        let (new, of_cluster) = rebuilt(&output, &input, &relations, plane, go_on)?;
+        board = new;
+        report.clusters = [of_cluster.len(), of_cluster.iter().filter(|c| **c != NONE).count()];
+        report.mended = mend(&mut board, params.seed, go_on)?;
         levels.push(report);
         last = Some((output, votes, of_cluster, scale.distance));
     }
@@ -341,9 +350,11 @@ pub(crate) fn level_of(
     mut output: OutputSamples,
     input: &InputSamples,
     (params, standing): (&ClusterParams, Option<&StandingElements>),
+    work: &mut ClusterWork,
     go_on: &dyn Fn() -> Result<()>,
 ) -> Result<(OutputSamples, PairVotes, LevelReport)> {
     let mut report = LevelReport::default();
+    let before_level = work.steps;
     let reach = LINKS * input.scale.distance;
     let mut iteration = 0;
     loop {
@@ -355,7 +366,7 @@ pub(crate) fn level_of(
         let added = add_missing(&mut output, input, &matches, standing);
         go_on()?;
         let votes = PairVotes::new(&output, input, &matches, reach);
-        let (done, energies) = improve_clusters(&mut output, input, &votes, params.without, go_on)?;
+        let (done, energies) = improve_clusters(&mut output, input, &votes, (params.without, work), go_on)?;
         report.cluster_energies.push(energies);
         report.added += added;
         report.operations.switched += done.switched;
@@ -365,10 +376,12 @@ pub(crate) fn level_of(
         let still = added == 0 && done == ClusterOperations::default();
         let settled = before.is_some_and(|b| (b - energy).abs() <= SETTLED * b);
         if iteration == ITERATIONS
+            || work.steps >= MOST_STEPS
             || energy <= 1e-9 && still
             || settled && (still || iteration > ITERATIONS / 2)
         {
             report.samples = [input.len(), output.len()];
+            report.steps = work.steps - before_level;
             return Ok((output, votes, report));
         }
     }

@@ -81,6 +81,23 @@ impl OutputSamples {
     }
 }
 
+/// Sum of the squares of the numbers of samples in a group of clusters.
+const GROUP: usize = 1 << 20;
+
+/// Clusters in groups for work that grows with the square of their samples, so that no group takes long unless it is a single
+/// cluster.
+pub(crate) fn in_groups(members: &[Vec<u32>]) -> impl Iterator<Item = &[Vec<u32>]> {
+    let mut sum = 0;
+    members.chunk_by(move |a, b| {
+        sum += a.len() * a.len();
+        let fits = sum + b.len() * b.len() <= GROUP;
+        if !fits {
+            sum = 0;
+        }
+        fits
+    })
+}
+
 /// Most costs that are stored, in bytes. Further ones are computed when they are asked for.
 const MOST_STORED: usize = 256 << 20;
 /// Rows of costs computed at a time.
@@ -154,7 +171,7 @@ impl<'a> ContextCosts<'a> {
         }
         let members = output.members();
         let mut of_sample: Vec<(Context, u32)> = Vec::with_capacity(output.len());
-        for members in members.chunks(ROWS_AT_ONCE) {
+        for members in in_groups(&members) {
             go_on()?;
             let own = parallel::map(members, |members| contexts(&output.unwrapped(members), input.unit));
             for (members, own) in members.iter().zip(own) {

@@ -2,10 +2,11 @@
 
 use crate::board::{Board, BoardElement};
 use crate::input::InputSamples;
-use crate::output::OutputSamples;
+use crate::output::{OutputSamples, in_groups};
 use crate::relations::PlaceRelations;
-use crate::shape_energy::{ShapeMatch, shape_match};
-use vtex_base::geometry::dense::{DenseAssignment, NONE};
+use crate::shape_energy::{ClusterWork, ShapeMatch, shape_match};
+use vtex_base::error::Result;
+use vtex_base::geometry::dense::NONE;
 use vtex_base::geometry::plane::{PeriodicPlane, length};
 use vtex_base::parallel;
 
@@ -39,25 +40,34 @@ pub(crate) fn sampled(board: &Board<'_>, input: &InputSamples) -> OutputSamples 
 
 /// The elements that clusters resemble most, and for each cluster the number of its element, or [`NONE`] if it resembles
 /// none: if its samples are on average more than twice the sample distance from those of the element.
+///
+/// # Errors
+/// Those of `go_on`.
 pub(crate) fn rebuilt<'a>(
     output: &OutputSamples,
     input: &InputSamples,
     relations: &'a PlaceRelations<'a>,
     plane: PeriodicPlane,
-) -> (Board<'a>, Vec<u32>) {
+    go_on: &dyn Fn() -> Result<()>,
+) -> Result<(Board<'a>, Vec<u32>)> {
     let members = output.members();
     let mut board = Board::new(plane, relations);
     let (standing, members) = members.split_at(output.given[1]);
-    let found = parallel::map(members, |members| {
+    let nearest = |members: &Vec<u32>| {
         let placeable = |place: u32| input.placeable[place as usize];
-        let found = shape_match(output, input, members, placeable, &mut DenseAssignment::default());
+        let found = shape_match(output, input, members, placeable, &mut ClusterWork::default());
         found.filter(|m| m.energy <= members.len() as f64)
-    });
+    };
+    let mut found = Vec::with_capacity(members.len());
+    for group in in_groups(members) {
+        go_on()?;
+        found.extend(parallel::map(group, nearest));
+    }
     let of = |found: Option<ShapeMatch>| match found {
         Some(m) if board.is_open(m.by) => board.add(BoardElement { place: m.place, at: m.by }) as u32,
         _ => NONE,
     };
     let made: Vec<u32> = found.into_iter().map(of).collect();
     let of_cluster = (0..standing.len() as u32).chain(made).collect();
-    (board, of_cluster)
+    Ok((board, of_cluster))
 }

@@ -13,6 +13,10 @@ const DENSE: usize = 64;
 /// Steps of costs in a sparse table, for each sample distance.
 const STEPS: f64 = 1e5;
 
+/// Difference of energies that counts, and a safe distance from what only rounding changes.
+const LEAST: f64 = 1e-12;
+const CLOSE: f64 = 1e-9;
+
 /// A cluster compared with the exemplar.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ShapeMatch {
@@ -24,13 +28,33 @@ pub(crate) struct ShapeMatch {
     pub(crate) by: [f64; 2],
 }
 
+/// Work space of comparisons, and what was done in it.
+#[derive(Default)]
+pub(crate) struct ClusterWork {
+    assignment: DenseAssignment,
+    /// Distances of samples measured for shapes, and pairs of samples looked at for links.
+    pub(crate) steps: u64,
+}
+
 /// The nearest element for a cluster; `None` for a cluster without samples, and where no candidate is `allowed`.
 pub(crate) fn shape_match(
     output: &OutputSamples,
     input: &InputSamples,
     members: &[u32],
     allowed: impl Fn(u32) -> bool,
-    work: &mut DenseAssignment,
+    work: &mut ClusterWork,
+) -> Option<ShapeMatch> {
+    shape_match_below(output, input, members, (allowed, f64::INFINITY), work)
+}
+
+/// As [`shape_match`], for a caller that needs an energy below `bound` only: elements whose numbers of samples differ too
+/// much from the cluster's for that are not compared.
+pub(crate) fn shape_match_below(
+    output: &OutputSamples,
+    input: &InputSamples,
+    members: &[u32],
+    (allowed, bound): (impl Fn(u32) -> bool, f64),
+    work: &mut ClusterWork,
 ) -> Option<ShapeMatch> {
     let points = output.unwrapped(members);
     let origin = *points.first()?;
@@ -55,13 +79,19 @@ pub(crate) fn shape_match(
     let mut best: Option<ShapeMatch> = None;
     for (place, count, sum) in places.into_iter().take(COMPARED) {
         let figure = &input.of_figure[input.figure[place as usize] as usize];
+        let limit = |best: Option<ShapeMatch>| best.map_or(bound, |b| b.energy.min(bound)) + CLOSE;
+        if figure.len().abs_diff(points.len()) as f64 >= limit(best) {
+            continue;
+        }
         let part = 1.0 / f64::from(count);
         // The first sample of the figure lies at its own offset from the reference point.
         let mut by: [f64; 2] = std::array::from_fn(|k| origin[k] + part * sum[k] - figure[0][k]);
         // The translation of the matched samples, improved once by that of the assignment.
         for refined in [false, true] {
-            let (energy, shift) = compared(figure, by, &points, input.scale.distance, work);
-            if best.is_none_or(|b| energy < b.energy - 1e-12) {
+            let limit = if refined { limit(best) } else { f64::INFINITY };
+            let (placed, distance) = (Placed { figure, by }, input.scale.distance);
+            let Some((energy, shift)) = compared(placed, &points, (distance, limit), work) else { break };
+            if best.is_none_or(|b| energy < b.energy - LEAST) {
                 best = Some(ShapeMatch { energy, place, by });
             }
             if refined || length(shift) < 1e-9 {
@@ -73,24 +103,33 @@ pub(crate) fn shape_match(
     best
 }
 
-/// The distance of a figure at a place from the points of a cluster, and the mean way from its samples to theirs. No
-/// distance counts more than four sample distances.
-fn compared(
-    figure: &[[f64; 2]],
+/// The samples of a figure, moved.
+struct Placed<'a> {
+    figure: &'a [[f64; 2]],
     by: [f64; 2],
+}
+
+/// The distance of a figure at a place from the points of a cluster, and the mean way from its samples to theirs. No
+/// distance counts more than four sample distances. `None` if the energy is certainly not below `limit`.
+fn compared(
+    Placed { figure, by }: Placed<'_>,
     points: &[[f64; 2]],
-    distance: f64,
-    work: &mut DenseAssignment,
-) -> (f64, [f64; 2]) {
+    (distance, limit): (f64, f64),
+    work: &mut ClusterWork,
+) -> Option<(f64, [f64; 2])> {
     let placed: Vec<[f64; 2]> = figure.iter().map(|p| [p[0] + by[0], p[1] + by[1]]).collect();
     let turned = placed.len() > points.len();
     let (rows, columns) = if turned { (points, &placed[..]) } else { (&placed[..], points) };
     let most = 4.0 * distance;
     let way = |a: &[f64; 2], b: &[f64; 2]| [b[0] - a[0], b[1] - a[1]];
+    let energy = |sum: f64| sum / (2.0 * distance) + (columns.len() - rows.len()) as f64;
+    work.steps += rows.len() as u64 * columns.len() as u64;
+    let work = &mut work.assignment;
     let of: Vec<Option<u32>> = if columns.len() <= DENSE {
         work.begin(columns.len(), most);
-        for r in rows {
-            work.row(columns.iter().map(|c| length(way(r, c))));
+        let row = |_, r| work.row(columns.iter().map(|c| length(way(r, c))));
+        if energy(rows.iter().fold(0.0, row)) >= limit {
+            return None;
         }
         work.solve();
         work.of_row().iter().map(|c| (*c != NONE).then_some(*c)).collect()
@@ -110,7 +149,13 @@ fn compared(
             near.sort_unstable();
             near
         };
-        assign(&Table::new(rows.iter().map(entries).collect()), columns.len(), (4.0 * STEPS) as i64)
+        let none = (4.0 * STEPS) as i64;
+        let table: Vec<Vec<(u32, i64)>> = rows.iter().map(entries).collect();
+        let least: i64 = table.iter().map(|row| row.iter().map(|e| e.1).fold(none, i64::min)).sum();
+        if energy(least as f64 / STEPS * distance) >= limit {
+            return None;
+        }
+        assign(&Table::new(table), columns.len(), none)
     };
     let (mut sum, mut shift, mut matched) = (0.0, [0.0; 2], 0u32);
     for (r, c) in rows.iter().zip(&of) {
@@ -124,7 +169,5 @@ fn compared(
             None => sum += most,
         }
     }
-    let unit = 2.0 * distance;
-    let energy = sum / unit + (columns.len() - rows.len()) as f64;
-    (energy, shift.map(|v| v / f64::from(matched.max(1))))
+    Some((energy(sum), shift.map(|v| v / f64::from(matched.max(1)))))
 }

@@ -1,7 +1,7 @@
 //! The optimisation on small exemplars made here.
 
 use crate::board::{Board, BoardElement};
-use crate::clustering::{ClusteringParts, improve_clusters};
+use crate::clustering::{ClusteringParts, MOST_STEPS, improve_clusters};
 use crate::figures::{ClusterExemplar, Figure, FigurePlace};
 use crate::input::{InputSamples, LevelScale};
 use crate::optimise::{ClusterParams, ClusterResult, ClusteredElement, cluster, cluster_beside, level_of};
@@ -10,12 +10,11 @@ use crate::raster::pixels;
 use crate::rebuild::{rebuilt, sampled};
 use crate::relations::PlaceRelations;
 use crate::search::search;
-use crate::shape_energy::shape_match;
+use crate::shape_energy::{ClusterWork, shape_match, shape_match_below};
 use crate::standing::ClusterContext;
 use crate::votes::PairVotes;
 use vtex_base::error::{Error, Result};
 use vtex_base::geometry::coherence::NeighbourhoodMatches;
-use vtex_base::geometry::dense::DenseAssignment;
 use vtex_base::geometry::plane::{PeriodicPlane, PointIndex, Vicinity, length};
 use vtex_base::geometry::{Affine, Interior, Outline, Point, parse_path};
 use vtex_base::sampling::stream;
@@ -121,7 +120,7 @@ fn shape_energy_is_zero_for_a_copy_and_one_for_a_missing_sample() {
     let mut board = Board::new(exemplar.page, &relations);
     board.add(BoardElement { place: 3, at: [377.0, 391.0] });
     let output = sampled(&board, &input);
-    let work = &mut DenseAssignment::default();
+    let work = &mut ClusterWork::default();
     let all = output.members();
     let whole = shape_match(&output, &input, &all[0], |_| true, work).unwrap();
     assert!(whole.energy < 1e-6, "{whole:?}");
@@ -130,6 +129,53 @@ fn shape_energy_is_zero_for_a_copy_and_one_for_a_missing_sample() {
     let part = shape_match(&output, &input, &all[0][1..], |_| true, work).unwrap();
     assert!((part.energy - 1.0).abs() < 1e-6, "{part:?}");
     assert_eq!(shape_match(&output, &input, &all[0], |_| false, work), None);
+}
+
+#[test]
+fn an_energy_is_found_if_it_is_below_the_bound() {
+    let exemplar = loose();
+    let input = InputSamples::new(&exemplar, SCALE, 1, &|| Ok(())).unwrap();
+    let relations = PlaceRelations::new(&exemplar, &|| Ok(())).unwrap();
+    let output = sampled(&copied(&exemplar, &relations), &input);
+    let work = &mut ClusterWork::default();
+    for pair in output.members().chunks(2) {
+        for members in [pair[0][1..].to_vec(), pair.concat()] {
+            let whole = shape_match(&output, &input, &members, |_| true, work).unwrap();
+            let mut below = |by: f64| {
+                shape_match_below(&output, &input, &members, (|_| true, whole.energy + by), work)
+                    .filter(|m| m.energy < whole.energy + by)
+            };
+            assert_eq!(below(1e-6), Some(whole));
+            assert_eq!(below(-1e-6), None);
+        }
+    }
+}
+
+#[test]
+fn the_work_on_large_shapes_over_one_another_is_bounded() {
+    // Zigzags across the page, cut by its border, and small triangles.
+    let mut random = stream(9, "cluster/test page", 1);
+    let mut zigzag = |category: u32| {
+        let points = (0..40).map(|_| {
+            let at: [f64; 2] = std::array::from_fn(|_| random.range(-240.0, 240.0));
+            format!("L{:.1} {:.1}", at[0], at[1])
+        });
+        figure(&format!("M0 0{}Z", points.collect::<String>()), category)
+    };
+    let mut figures: Vec<Figure> = (0..30).map(&mut zigzag).collect();
+    figures.push(figure("M-9 -9H9L0 9Z", 30));
+    let middle = |figure: u32| FigurePlace { figure, at: [200.0; 2], placeable: false };
+    let small = |k: u32| {
+        let at = [f64::from(k % 7), f64::from(k / 7)].map(|v| 30.0 + 55.0 * v);
+        FigurePlace { figure: 30, at, placeable: true }
+    };
+    let page = PeriodicPlane { size: [400.0; 2], wraps: [false; 2] };
+    let exemplar =
+        ClusterExemplar { page, figures, places: (0..30).map(middle).chain((0..49).map(small)).collect() };
+    let found = run(&exemplar, &params(600.0, false));
+    assert!(!found.elements.is_empty());
+    let steps: u64 = found.levels.iter().map(|level| level.steps).sum();
+    assert!((MOST_STEPS..MOST_STEPS + MOST_STEPS / 4).contains(&steps), "{steps}");
 }
 
 #[test]
@@ -187,7 +233,8 @@ fn clusters_are_recovered_from_shuffled_ids_and_energy_never_rises() {
     for round in 0..4 {
         let parts = ClusteringParts::default();
         let (done, [before, after]) =
-            improve_clusters(&mut output, &input, &votes, parts, &|| Ok(())).unwrap();
+            improve_clusters(&mut output, &input, &votes, (parts, &mut ClusterWork::default()), &|| Ok(()))
+                .unwrap();
         assert!(after <= before + 1e-6, "round {round}: {before} {after}");
         assert!(round > 0 || done.switched > 0);
     }
@@ -196,7 +243,7 @@ fn clusters_are_recovered_from_shuffled_ids_and_energy_never_rises() {
     let none =
         ClusteringParts { no_switch: true, no_merge: true, no_split: true, ..ClusteringParts::default() };
     let kept = output.cluster.clone();
-    improve_clusters(&mut output, &input, &votes, none, &|| Ok(())).unwrap();
+    improve_clusters(&mut output, &input, &votes, (none, &mut ClusterWork::default()), &|| Ok(())).unwrap();
     assert_eq!(rand_index(&output.cluster, &kept), 1.0);
 }
 
@@ -210,10 +257,12 @@ fn energy_falls_and_samples_return_to_their_places() {
     for p in &mut output.points {
         *p = p.map(|v| v + random.range(-0.4, 0.4) * SCALE.distance);
     }
-    let (output, _, report) = level_of(output, &input, (&params(400.0, true), None), &|| Ok(())).unwrap();
+    let (output, _, report) =
+        level_of(output, &input, (&params(400.0, true), None), &mut ClusterWork::default(), &|| Ok(()))
+            .unwrap();
     let (first, last) = (report.energies[0], report.energies[report.energies.len() - 1]);
     assert!(last < 0.7 * first, "{:?}", report.energies);
-    let (board, of_cluster) = rebuilt(&output, &input, &relations, exemplar.page);
+    let (board, of_cluster) = rebuilt(&output, &input, &relations, exemplar.page, &|| Ok(())).unwrap();
     assert_eq!(of_cluster.len(), exemplar.places.len());
     assert_eq!(board.standing().len(), exemplar.places.len());
 }

@@ -6,6 +6,7 @@
 
 mod bounds;
 mod cost;
+mod stops;
 mod unfolding;
 
 pub use bounds::{ids, referred, uses, weights};
@@ -133,7 +134,7 @@ pub fn document(text: &str) -> Result<roxmltree::Document<'_>, SvgFault> {
         .map_err(|e| format!("it is not well-formed XML: {e}").into())
 }
 
-/// The shapes of a document, every `<use>` followed.
+/// The shapes of a document, every `<use>` followed. Gradients have at most 256 stops: those of more are thinned.
 ///
 /// # Errors
 /// Why it is not an SVG, or not one that can be parsed in reasonable time.
@@ -166,7 +167,10 @@ fn tree_of(
         },
         ..usvg::Options::default()
     };
-    let parsed = caught(|| usvg::Tree::from_xmltree(document, &options));
+    let thinned = stops::thinned(document)?;
+    let thinned = thinned.as_deref().map(self::document).transpose()?;
+    let shown = thinned.as_ref().unwrap_or(document);
+    let parsed = caught(|| usvg::Tree::from_xmltree(shown, &options));
     let tree = parsed.map_err(|said| panicked("read", &said))?.map_err(|e| fault(document, e))?;
     Ok(SvgTree { tree, text: document.input_text().len() })
 }

@@ -25,6 +25,7 @@ use vtex_base::raster::colour::Colour;
 use vtex_base::raster::contact;
 use vtex_base::raster::{LabelMap, Mask};
 use vtex_scene::element;
+use vtex_scene::lattice;
 use vtex_scene::library::{
     AnalyzeParams, Arrangement, ElementId, ExemplarElement, ExemplarInstance, ExemplarLayer, Guide, Library,
     Role, Shape, Source, SourceKind,
@@ -196,6 +197,8 @@ pub(super) fn assemble(
             width,
             height,
             scale: [1.0; 2],
+            copies: [1; 2],
+            contrast: 1.0,
             sha256: Sha256::digest(origin.bytes).iter().map(|b| format!("{b:02x}")).collect(),
             segmenter: "drawing".into(),
             parameters: analyze,
@@ -209,7 +212,7 @@ pub(super) fn assemble(
         coverage,
         arrangement: Arrangement { periodic: wrap, ..Arrangement::from_labels(&labels) },
         descriptor_half: (libm::round(params.descriptor_reach * spacing) as u32).clamp(1, most.max(1)),
-        lattice: guide.lattice(wrap),
+        lattice: lattice::find(&origin.picture, wrap),
         motifs,
         guide: Some(guide),
     };

@@ -6,9 +6,6 @@ use vtex_base::geometry::{Affine, Point, Vec2};
 use vtex_base::raster::colour::Colour;
 use vtex_scene::element::{Gradient, GradientKind, Stop};
 
-/// Most stops of a gradient.
-const MOST_STOPS: usize = 256;
-
 /// The paint of a shape.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct DrawnPaint {
@@ -87,11 +84,7 @@ fn gradient(kind: GradientKind, ends: Option<[Point; 2]>, stops: &[usvg::Stop], 
         colour: colour(s.color()),
         opacity: f64::from(s.opacity().get()),
     };
-    // Every shape has its gradient to itself, so those of very many stops are thinned.
-    let last = stops.len().saturating_sub(1);
-    let kept = last.min(MOST_STOPS - 1);
-    let stops: Vec<Stop> =
-        (0..kept).map(|k| stop(&stops[k * last / kept])).chain(stops.last().map(stop)).collect();
+    let stops: Vec<Stop> = stops.iter().map(stop).collect();
     let count = stops.len().max(1) as f64;
     let sum = |k: usize| stops.iter().map(|s| s.colour.to_f64()[k]).sum::<f64>() / count;
     let mean = Colour::from_f64([sum(0), sum(1), sum(2)]);
@@ -117,27 +110,6 @@ fn gradient(kind: GradientKind, ends: Option<[Point; 2]>, stops: &[usvg::Stop], 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn gradients_of_very_many_stops_are_thinned() {
-        let stops: String = (0..=10_000)
-            .map(|k| {
-                format!("<stop offset='{}' stop-color='rgb({},0,0)'/>", f64::from(k) / 1e4, k * 255 / 10_000)
-            })
-            .collect();
-        let text = format!(
-            r#"<svg xmlns="http://www.w3.org/2000/svg" width="9" height="9"><linearGradient id="g">{stops}</linearGradient><rect width="9" height="9" fill="url(#g)"/></svg>"#
-        );
-        let tree = usvg::Tree::from_str(&text, &usvg::Options::default()).unwrap();
-        let usvg::Node::Path(path) = &tree.root().children()[0] else { panic!("a path") };
-        let (found, _) = paint(path.fill().unwrap().paint(), 1.0, Affine::IDENTITY).unwrap();
-        let gradient = found.gradient.unwrap();
-        assert_eq!(gradient.stops().count(), MOST_STOPS);
-        assert!(gradient.fault().is_none());
-        for stop in gradient.stops() {
-            assert!((stop.colour.to_f64()[0] / 255.0 - stop.offset).abs() < 0.01, "{stop:?}");
-        }
-    }
 
     #[test]
     fn linear_gradients_keep_their_lines_of_colour() {

@@ -14,6 +14,8 @@ const DASH: f64 = 2e3;
 const CROSSING: f64 = 10.0;
 /// Times for a pixel that is filled with a colour, a gradient or a pattern.
 const FILLED: [f64; 3] = [3.0, 12.0, 30.0];
+/// Time for a pixel and a stop of its gradient: the renderer looks at all of them.
+const STOP: f64 = 0.8;
 /// Time for a pixel of a layer, of a clip path, of a mask.
 const LAYER: f64 = 30.0;
 const CLIPPED: f64 = 4.0;
@@ -175,7 +177,8 @@ impl Estimate {
         self.cost.time += pixels
             * match paint {
                 Paint::Color(_) => plain,
-                Paint::LinearGradient(_) | Paint::RadialGradient(_) => gradient,
+                Paint::LinearGradient(g) => gradient + STOP * g.stops().len() as f64,
+                Paint::RadialGradient(g) => gradient + STOP * g.stops().len() as f64,
                 Paint::Pattern(_) => pattern,
             };
         if let Paint::Pattern(pattern) = paint {
