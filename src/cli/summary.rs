@@ -8,7 +8,7 @@ use serde::{Serialize, Serializer};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 use vtex::Progress;
-use vtex::library::{Lattice, Library, SourceKind};
+use vtex::library::{Lattice, Library, Source, SourceKind};
 use vtex::output::reduce::GivenUp;
 use vtex::raster::colour::Colour;
 use vtex::scene::{Length, LengthUnit, Method, Role, Scene};
@@ -45,6 +45,9 @@ pub(crate) struct Summary {
     /// The photograph that was reduced before it was analysed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) reduced: Option<PhotographReduction>,
+    /// What else was done to the photograph before it was analysed.
+    #[serde(flatten)]
+    pub(crate) prepared: PhotographPreparation,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) counts: Option<ElementCounts>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -115,6 +118,7 @@ impl Summary {
             size: [0; 2],
             page: None,
             reduced: None,
+            prepared: PhotographPreparation::default(),
             counts: None,
             coverage: None,
             layers: None,
@@ -160,7 +164,44 @@ impl PhotographReduction {
     pub(crate) fn of_library(library: &Library) -> Option<Self> {
         let from = [library.source.width, library.source.height];
         let to = [library.arrangement.width, library.arrangement.height];
-        (library.source.kind == SourceKind::Photograph && from != to).then_some(Self { from, to })
+        (library.source.kind == SourceKind::Photograph && to[0] < from[0]).then_some(Self { from, to })
+    }
+}
+
+/// What is done to small and to subtle pictures before they are analysed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub(crate) struct PhotographPreparation {
+    /// Width and height of the small tile that was repeated, in pixels.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) repeated: Option<[u32; 2]>,
+    /// Factor by which the contrast was stretched.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) contrast: Option<f64>,
+}
+
+impl PhotographPreparation {
+    pub(crate) fn of_library(library: &Library) -> Self {
+        let Source { copies, contrast, width, height, .. } = library.source;
+        Self {
+            repeated: (copies != [1; 2]).then(|| [width / copies[0], height / copies[1]]),
+            contrast: (contrast != 1.0).then_some(contrast),
+        }
+    }
+
+    /// In words, a line each.
+    pub(crate) fn in_words(&self) -> impl Iterator<Item = String> {
+        let tile = |[w, h]: [u32; 2]| {
+            format!(
+                "the tile of {w} x {h} px was repeated before it was analysed, and textures repeat with it"
+            )
+        };
+        let contrast = |gain: f64| {
+            format!(
+                "the contrast was stretched {gain:.1} times for the analysis; results have the photograph's own \
+                 (--contrast off stops this)"
+            )
+        };
+        self.repeated.map(tile).into_iter().chain(self.contrast.map(contrast))
     }
 }
 
@@ -422,6 +463,7 @@ impl Summary {
                 "the photograph of {w} x {h} px was reduced to {x} x {y} px first (--max-pixels says how far)"
             ));
         }
+        self.prepared.in_words().for_each(|line| say(&line));
         if let Some(layers) = self.layers.as_ref().and_then(LayersReport::in_words) {
             say(&layers);
         }
@@ -556,15 +598,13 @@ fn reductions(given_up: &GivenUp) -> String {
 
 /// A lattice, in a line.
 pub(crate) fn lattice_text(lattice: &Lattice) -> String {
-    let lengths = lattice.vectors.iter().map(|[x, y]| format!("every {:.0} px", libm::hypot(*x, *y)));
-    let lengths = lengths.collect::<Vec<_>>().join(" and ");
-    let kind = if lattice.vectors.len() == 1 { "rows that return" } else { "a lattice that repeats" };
+    let found = lattice.in_words();
     if lattice.is_kept() {
-        return format!("elements stand in {kind} {lengths}");
+        return format!("{found}: textures keep to them");
     }
     let numbers: Vec<String> = lattice.vectors.iter().flatten().map(|v| format!("{v:.1}")).collect();
     format!(
-        "elements stand in {kind} {lengths}, too weakly for textures to keep to it unless you give --lattice={}",
+        "{found}, but only in parts: textures do not keep to them unless you give --lattice={}",
         numbers.join(",")
     )
 }
@@ -573,7 +613,7 @@ pub(crate) fn lattice_text(lattice: &Lattice) -> String {
 pub(crate) fn lattice_measures(lattice: &Lattice) -> String {
     let vectors: Vec<String> = lattice.vectors.iter().map(|[x, y]| format!("({x:.1}, {y:.1})")).collect();
     format!(
-        "the lattice has the vectors {} px, strength {:.2} of 1, and elements stray by {:.1} px",
+        "vectors {} px, correlation {:.2} of 1, stray {:.1} px",
         vectors.join(" and "),
         lattice.strength,
         lattice.stray

@@ -33,7 +33,7 @@ use controls::Controls;
 use correspondence::{Correspondence, Structure};
 use descriptor::InitialRequests;
 use grid::Grid;
-use model::{EMPTY, PlaceableId, PlacementModel, UNDEFINED, VariantId};
+use model::{Content, EMPTY, PlaceableId, PlacementModel, UNDEFINED, VariantId};
 use occupancy::Occupancy;
 use region::PlacementRegion;
 use vtex_base::error::Result;
@@ -144,8 +144,8 @@ pub(crate) fn arrange<'a>(
         let found = Correspondence::new(&context, model)?;
         let carried = found.carry(&context, model)?;
         // Where descriptors continue, they begin with the elements beside the area.
-        let begin = |variant: VariantId| match model.element(variant).fused {
-            None if !region.all_carried() => InitialRequests::Open,
+        let begin = |variant: VariantId| match model.element(variant).content {
+            Content::Known if !region.all_carried() => InitialRequests::Open,
             _ => InitialRequests::None,
         };
         initial.extend(carried.elements.iter().map(|&(variant, _)| begin(variant)));

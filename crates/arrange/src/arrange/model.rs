@@ -60,8 +60,19 @@ pub(crate) struct Placeable {
     pub(crate) placeable: bool,
     /// Whether the border of its exemplar cuts it.
     pub(crate) clipped: bool,
-    /// Its index in [`PlacementModel::fused`], if it is a fused part.
-    pub(crate) fused: Option<u32>,
+    /// What is drawn.
+    pub(crate) content: Content,
+}
+
+/// What is drawn for an element of the model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Content {
+    /// The primary of the library, in its variation.
+    Known,
+    /// The primary under a map of [`PlacementModel::maps`].
+    Mapped(u32),
+    /// An element of [`PlacementModel::fused`].
+    Fused(u32),
 }
 
 /// One library.
@@ -95,6 +106,8 @@ pub(crate) struct PlacementModel {
     pub(crate) variations: Vec<Variation>,
     /// The fused elements as they are drawn.
     pub(crate) fused: Vec<Element>,
+    /// The maps of primaries that have one of their own.
+    pub(crate) maps: Vec<Variation>,
     shapes: Vec<OnceLock<VariantShape>>,
 }
 
@@ -185,6 +198,7 @@ impl PlacementModel {
             wanted: Vec::new(),
             variations,
             fused: Vec::new(),
+            maps: Vec::new(),
             shapes: Vec::new(),
         };
         for library in libraries {
@@ -221,7 +235,7 @@ impl PlacementModel {
             }
             let index = self.elements.len() as u32 - first_element;
             let library = self.sources.len();
-            let (code, clipped, fused) = (EMPTY, p.clipped, None);
+            let (code, clipped, content) = (EMPTY, p.clipped, Content::Known);
             self.elements.push(Placeable {
                 library,
                 index,
@@ -230,7 +244,7 @@ impl PlacementModel {
                 code,
                 placeable,
                 clipped,
-                fused,
+                content,
             });
             self.shapes.push(OnceLock::from(shape));
             self.shapes.extend((1..self.variations.len()).map(|_| OnceLock::new()));
@@ -254,10 +268,20 @@ impl PlacementModel {
 
     /// Adds a part of a variant as an element that placement never chooses. Returns its variant.
     pub(crate) fn add_fused(&mut self, variant: VariantId, mask: Mask, painted: Element) -> VariantId {
-        let element = PlaceableId(self.elements.len() as u32);
-        let fused = Some(self.fused.len() as u32);
-        self.elements.push(Placeable { placeable: false, fused, ..*self.element(variant) });
         self.fused.push(painted);
+        self.add_made(variant, mask, Content::Fused(self.fused.len() as u32 - 1))
+    }
+
+    /// Adds a primary under a map of its own as an element that placement never chooses. `variant` is the primary in
+    /// the variation that is nearest. Returns its variant.
+    pub(crate) fn add_mapped(&mut self, variant: VariantId, mask: Mask, map: Variation) -> VariantId {
+        self.maps.push(map);
+        self.add_made(variant, mask, Content::Mapped(self.maps.len() as u32 - 1))
+    }
+
+    fn add_made(&mut self, variant: VariantId, mask: Mask, content: Content) -> VariantId {
+        let element = PlaceableId(self.elements.len() as u32);
+        self.elements.push(Placeable { placeable: false, content, ..*self.element(variant) });
         let shape = OnceLock::from(VariantShape::new(mask));
         // Only the variation of `variant` is used.
         self.shapes.extend((0..self.variations.len()).map(|_| OnceLock::new()));
@@ -271,7 +295,11 @@ impl PlacementModel {
     pub(crate) fn depth(&self, variant: VariantId) -> u32 {
         const BENEATH: u32 = 1 << 31;
         let area = self.shape(variant).area;
-        if self.element(variant).fused.is_some() { BENEATH.saturating_add(area) } else { area }
+        if matches!(self.element(variant).content, Content::Fused(_)) {
+            BENEATH.saturating_add(area)
+        } else {
+            area
+        }
     }
 
     /// Index of the element of a variant.

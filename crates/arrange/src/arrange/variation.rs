@@ -50,10 +50,20 @@ impl Variation {
     fn new(angle: f64, mirror: bool, scale: f64) -> Self {
         let (s, c) = libm::sincos(angle);
         let flip = if mirror { -1.0 } else { 1.0 };
-        let matrix = [scale * c * flip, scale * s * flip, -scale * s, scale * c];
-        let [a, b, cc, d] = matrix;
-        let det = a * d - b * cc;
-        Self { matrix, inverse: [d / det, -b / det, -cc / det, a / det], scale }
+        Self::of([scale * c * flip, scale * s * flip, -scale * s, scale * c])
+    }
+
+    fn of(matrix: [f64; 4]) -> Self {
+        let [a, b, c, d] = matrix;
+        let det = a * d - b * c;
+        let scale = libm::sqrt(det.abs());
+        Self { matrix, inverse: [d / det, -b / det, -c / det, a / det], scale }
+    }
+
+    /// The variation followed by a symmetric map with the coefficients xx, xy, yy.
+    pub(crate) fn then(&self, [xx, xy, yy]: [f64; 3]) -> Self {
+        let [a, b, c, d] = self.matrix;
+        Self::of([xx * a + xy * b, xy * a + yy * b, xx * c + xy * d, xy * c + yy * d])
     }
 
     /// Whether it is the identity.

@@ -107,7 +107,7 @@ fn fitted(page: [Length; 2], params: &SynthParams, libraries: &[Library]) -> [u3
     };
     let lattice = match &params.lattice {
         _ if !params.tile.any() => None,
-        LatticeChoice::Auto => single.and_then(|library| library.lattice.clone()),
+        LatticeChoice::Auto => single.and_then(|library| library.lattice.clone()).filter(Lattice::is_kept),
         LatticeChoice::Off => None,
         LatticeChoice::Vectors(vectors) => Lattice::new(vectors).ok(),
     };

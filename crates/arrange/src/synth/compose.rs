@@ -2,6 +2,7 @@
 
 use crate::arrange::PlacementResult;
 use crate::arrange::controls::Controls;
+use crate::arrange::model::Content;
 use crate::arrange::variation::Variation;
 use vtex_base::raster::colour::Colour;
 use vtex_scene::library::Library;
@@ -110,13 +111,14 @@ pub(crate) fn primary<'a>(
 ) -> (What<'a>, [f64; 6]) {
     let model = arrangement.cells.model();
     let element = &model[placed.element];
-    match element.fused {
+    let known = What::Known(LibraryId(element.library as u32), ElementId(element.index), None);
+    match element.content {
         // A fused element is stored with its variation applied.
-        Some(fused) => (What::Made(&model.fused[fused as usize]), at(&Variation::default(), placed.at)),
-        None => {
-            let known = What::Known(LibraryId(element.library as u32), ElementId(element.index), None);
-            (known, at(&model.variations[usize::from(placed.variation)], placed.at))
+        Content::Fused(fused) => {
+            (What::Made(&model.fused[fused as usize]), at(&Variation::default(), placed.at))
         }
+        Content::Mapped(map) => (known, at(&model.maps[map as usize], placed.at)),
+        Content::Known => (known, at(&model.variations[usize::from(placed.variation)], placed.at)),
     }
 }
 

@@ -3,6 +3,9 @@
 //!
 //! The number of pixels per unit is that of the finest photograph. Without photographs it is that of the
 //! finest drawing, reduced on large canvases.
+//!
+//! The thresholds of colours are those of ordinary contrast. A library whose contrast was stretched for its analysis is
+//! stretched for placement, too, if it is the only one, and the scene gets the library's own colours.
 
 use super::drawn::with_drawing;
 use super::{Controls, SynthReport, check_canvas, cleared, in_pixels, method};
@@ -11,8 +14,9 @@ use std::borrow::Cow;
 use vtex_base::error::{Error, Result};
 use vtex_base::geometry::Affine;
 use vtex_base::progress::Progress;
+use vtex_base::raster::colour::Colour;
 use vtex_field::correspondence::PagesMemory;
-use vtex_scene::library::{CategoryId, Library, SourceKind};
+use vtex_scene::library::{CategoryId, Library, SourceKind, Stretch};
 use vtex_scene::scene::{Domain, Method, Scene, SynthParams};
 
 /// Number of pixels of a canvas above which drawings have fewer pixels per unit.
@@ -63,7 +67,17 @@ fn synthesized(
     let kept = excluding(libraries, &params.exclude, progress);
     let libraries = kept.as_deref().unwrap_or(libraries);
     let controls = &*anew(libraries, params, controls)?;
-    let (scene, report) = made(libraries, params, controls, memory, progress)?;
+    let (scene, report) = match stretch(libraries, controls) {
+        None => made(libraries, params, controls, memory, progress)?,
+        Some(stretch) => {
+            let stretched = [stretch.stretched(&libraries[0])];
+            let (scene, mut report) = made(&stretched, params, controls, memory, progress)?;
+            for stratum in &mut report.strata {
+                stratum.colour = Colour::from_f64(stretch.undone(stratum.colour.to_f64()));
+            }
+            (stretch.undone_in(scene), report)
+        }
+    };
     if let Some(warning) = no_elements(libraries, &scene) {
         progress.warn(&warning);
     }
@@ -72,6 +86,14 @@ fn synthesized(
         None => scene,
     };
     Ok((scene, report))
+}
+
+/// The stretch for placement from a subtle photograph.
+fn stretch(libraries: &[Library], controls: &Controls) -> Option<Stretch> {
+    match libraries {
+        [library] if controls.context.is_none() => Stretch::of_library(library),
+        _ => None,
+    }
 }
 
 /// The controls, with a context that is cleared first if its region is to be made anew.

@@ -1,8 +1,8 @@
 //! All pages of one level in one array, so that a source is a single index.
 
 use super::{
-    CHANNELS, COARSEST, CellSource, ExemplarPage, LANES, MOST_COMPARED, MOST_LEVELS, PATCH, Periods, REACH,
-    UNIT,
+    CHANNELS, COARSEST, CellSource, ExemplarPage, LANES, LARGEST_FEATURE, MOST_COMPARED, MOST_LEVELS, PATCH,
+    Periods, REACH, UNIT,
 };
 
 /// Features in a row of a patch.
@@ -289,7 +289,7 @@ fn most_frequent(four: [u8; 4]) -> u8 {
 /// The stored form of a feature.
 fn stored(v: f32) -> i16 {
     // Features are clamped, so that sums of squared differences fit 32 bits.
-    libm::roundf(v.clamp(-16.0, 16.0) * UNIT) as i16
+    libm::roundf(v.clamp(-LARGEST_FEATURE, LARGEST_FEATURE) * UNIT) as i16
 }
 
 /// The index within `0..size` that a framed index mirrors.

@@ -54,6 +54,8 @@ const LANES: usize = 8;
 const PATCH: usize = 5;
 /// Radius of a neighbourhood, in cells.
 const REACH: usize = PATCH / 2;
+/// Largest feature, of either sign; larger ones are clamped.
+pub const LARGEST_FEATURE: f32 = 16.0;
 /// Stored value of a feature of 1.
 const UNIT: f32 = 64.0;
 
@@ -97,7 +99,7 @@ pub struct ExemplarPage {
     pub groups: Option<Vec<u8>>,
     /// Size in cells.
     pub size: [usize; 2],
-    /// Features row by row, each with a standard deviation of about 1.
+    /// Features row by row, each with a standard deviation of about 1 and at most [`LARGEST_FEATURE`].
     pub features: Vec<[f32; CHANNELS]>,
     /// Cells that can be sources; `None` if all can.
     pub inside: Option<Vec<bool>>,

@@ -1,47 +1,37 @@
-//! Autocorrelation of a picture.
+//! Autocorrelation of planes.
 
-use image::RgbImage;
 use rustfft::FftDirection;
 use rustfft::num_complex::Complex;
 use vtex_base::fourier::Spectrum;
-use vtex_base::raster::blur::{Plane, oklab_planes};
+use vtex_base::raster::blur::Plane;
 
-/// Deviation of the blur that is subtracted, as a share of the shorter side, so that clouds do not count as
-/// periods.
-const LARGEST: f32 = 1.0 / 8.0;
-/// Deviation of the blur that removes structure smaller than an element, in pixels.
-const SMALLEST: f32 = 0.8;
 /// Longest lag, as a share of the side.
 const FARTHEST: f64 = 0.75;
+/// Longest lag of which means are taken, as a share of the side.
+const NEAR: f64 = 0.6;
 
 /// Correlation of a picture with itself, by lag.
 pub(super) struct Autocorrelation {
     /// Longest lag along each axis, in pixels.
-    pub(super) reach: [i32; 2],
+    reach: [i32; 2],
+    /// Longest lag along each axis at which enough of the picture overlaps for means, in pixels.
+    pub(super) near: [f64; 2],
     /// Rows from lag 0 down, columns from the longest lag to the left on.
     values: Vec<f32>,
 }
 
 impl Autocorrelation {
-    /// Correlates a picture's lightness and the main axis of its chroma, in Oklab.
-    pub(super) fn new(image: &RgbImage) -> Self {
-        let [l, a, b] = oklab_planes(image, 1);
-        let size = l.size;
-        let chroma = main_component(&a, &b);
-        let sigma = LARGEST * size[0].min(size[1]) as f32;
-        let [l, c] = [l, chroma].map(|plane| {
-            let (fine, coarse) = (plane.blurred(SMALLEST, [false; 2]), plane.blurred(sigma, [false; 2]));
-            let values: Vec<f32> = fine.values.iter().zip(&coarse.values).map(|(f, c)| f - c).collect();
-            let mean = values.iter().sum::<f32>() / values.len().max(1) as f32;
-            Plane { size, values: values.into_iter().map(|v| v - mean).collect() }
-        });
+    /// Correlates one or two planes with themselves; the values of two are added.
+    pub(super) fn new(one: &Plane, other: Option<&Plane>) -> Self {
+        let size = one.size;
         let reach = size.map(|v| (v as f64 * FARTHEST) as i32);
         let padded = [0, 1].map(|k| fast_size(size[k] + reach[k] as usize));
         let mut spectrum = Spectrum::new(padded[0], padded[1], |_, _| 0.0);
         for y in 0..size[1] {
             for x in 0..size[0] {
                 // Two real planes in one complex one: the real part of its correlation is the sum of theirs.
-                let value = Complex::new(f64::from(l.at(x, y)), f64::from(c.at(x, y)));
+                let value =
+                    Complex::new(f64::from(one.at(x, y)), other.map_or(0.0, |o| f64::from(o.at(x, y))));
                 spectrum.data[y * padded[0] + x] = value;
             }
         }
@@ -56,7 +46,7 @@ impl Autocorrelation {
         let unit = value(0, 0).max(f64::MIN_POSITIVE);
         let lags = (0..=reach[1]).flat_map(|y| (-reach[0]..=reach[0]).map(move |x| (x, y)));
         let values = lags.map(|(x, y)| (value(x, y) / unit) as f32).collect();
-        Self { reach, values }
+        Self { reach, near: size.map(|v| NEAR * v as f64), values }
     }
 
     /// Correlation at a lag; `None` out of reach.
@@ -65,6 +55,21 @@ impl Autocorrelation {
         let inside = x.abs() <= self.reach[0] && y <= self.reach[1];
         let row = 2 * self.reach[0] + 1;
         inside.then(|| f64::from(self.values[(y * row + x + self.reach[0]) as usize]))
+    }
+
+    /// Lags and heights of the peaks in a half plane, those longer than `least`: no value within three pixels is higher.
+    pub(super) fn peaks(&self, least: f64) -> Vec<([f64; 2], f64)> {
+        let [rx, ry] = self.near.map(|v| v as i32);
+        let lags = (0..=ry).flat_map(|y| (-rx..=rx).map(move |x| [x, y]));
+        let is_long =
+            |&[x, y]: &[i32; 2]| (y > 0 || x > 0) && libm::hypot(f64::from(x), f64::from(y)) >= least;
+        let peak = |[x, y]: [i32; 2]| {
+            let height = self.at([x, y]).filter(|&height| height > 0.0)?;
+            let mut around = (-3..=3).flat_map(|v| (-3..=3).map(move |u| [x + u, y + v]));
+            let is_highest = around.all(|at| self.at(at).is_none_or(|value| value <= height));
+            is_highest.then(|| self.peak_near([x, y].map(f64::from), 1)).flatten()
+        };
+        lags.filter(is_long).filter_map(peak).collect()
     }
 
     /// Correlation at a place between lags; `None` out of reach.
@@ -100,20 +105,6 @@ impl Autocorrelation {
         }
         Some(([f64::from(x) + vertex(left, right), f64::from(y) + vertex(above, below)], height))
     }
-}
-
-/// The component of two planes along their axis of largest variance.
-fn main_component(a: &Plane, b: &Plane) -> Plane {
-    let count = a.values.len().max(1) as f32;
-    let [ma, mb] = [a, b].map(|p| p.values.iter().sum::<f32>() / count);
-    let (mut aa, mut ab, mut bb) = (0f32, 0f32, 0f32);
-    for (&u, &v) in a.values.iter().zip(&b.values) {
-        let (u, v) = (u - ma, v - mb);
-        (aa, ab, bb) = (aa + u * u, ab + u * v, bb + v * v);
-    }
-    let (sine, cosine) = libm::sincosf(0.5 * libm::atan2f(2.0 * ab, aa - bb));
-    let values = a.values.iter().zip(&b.values).map(|(u, v)| cosine * u + sine * v).collect();
-    Plane { size: a.size, values }
 }
 
 /// The smallest size from `least` on whose only prime factors are 2, 3 and 5, so that its transform is fast.

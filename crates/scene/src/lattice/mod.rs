@@ -1,14 +1,18 @@
 //! Lattices: translations under which a picture looks the same.
 //!
-//! A picture has rows, such as planks, or a lattice, such as bricks or a tread plate. Both are found from
-//! its autocorrelation ([`find`]), and both say the *phase* of a place: its position within a period.
+//! A picture has rows, such as planks or courses of uneven bricks, or a lattice, such as tiles or a tread plate. Both
+//! are found from its autocorrelation ([`find`](mod@find)), and both say the *phase* of a place: its position within a
+//! period.
 
 mod correlation;
 mod find;
+mod fit;
+mod maps;
+mod rows;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use find::find;
+pub use find::find;
 
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
@@ -21,9 +25,11 @@ const MOST_STRETCH: f64 = 0.03;
 const PROPOSED_STRETCH: f64 = 0.027;
 /// Least angle between two vectors: its sine.
 const LEAST_SINE: f64 = 0.2;
-/// Least strength of a lattice that textures follow by default: elements of a weaker one stray so much that
-/// seams fit better without it.
-const KEPT: f64 = 0.3;
+/// Largest stray of a lattice that textures follow by default, as a share of its shortest vector: farther astray are
+/// things that are regular in parts only, such as paving in fans.
+const KEPT: f64 = 0.05;
+/// Angles up to this are level, in degrees.
+const LEVEL: f64 = 3.0;
 /// Shortest vector, in pixels.
 const SHORTEST: f64 = 4.0;
 
@@ -34,9 +40,10 @@ const SHORTEST: f64 = 4.0;
 pub struct Lattice {
     /// One vector, in pixels: rows across it, free along the direction at right angles to it. Two: a lattice.
     pub vectors: Vec<[f64; 2]>,
-    /// Correlation of the exemplar with itself moved by a vector, 0 to 1; the least of the vectors.
+    /// Correlation of the exemplar with itself moved by whole periods, 0 to 1: of its colours or of its edges,
+    /// whichever shows the lattice more clearly. A floor of tiles in many colours has little and is regular all the same.
     pub strength: f64,
-    /// Standard deviation of the exemplar's periods from the lattice, in pixels.
+    /// Standard deviation of the peaks of that correlation from the lattice, in pixels.
     pub stray: f64,
 }
 
@@ -57,22 +64,46 @@ impl Lattice {
         }
     }
 
-    /// Whether textures follow it by default: only if its strength is at least 0.3.
+    /// Whether textures follow it by default: only if its stray is at most a twentieth of its shortest vector.
     pub fn is_kept(&self) -> bool {
-        self.strength >= KEPT
+        let shortest = self.vectors.iter().map(|v| length(*v)).fold(f64::INFINITY, f64::min);
+        self.stray <= KEPT * shortest
+    }
+
+    /// The lattice as people see it, such as "rows every 57 px, in each a period of 79 px, moved by a half from row to
+    /// row".
+    pub fn in_words(&self) -> String {
+        const NAMES: [[&str; 2]; 2] = [["rows", "row"], ["columns", "column"]];
+        match self.vectors[..] {
+            [a, b] => {
+                let in_rows = || (0..2).find_map(|along| rows_in_words([a, b], along, NAMES[along]));
+                let free = || {
+                    format!("a lattice that repeats every {:.0} px and every {:.0} px", length(a), length(b))
+                };
+                in_rows().unwrap_or_else(free)
+            }
+            _ => {
+                let [x, y] = self.vectors.first().map_or([0.0; 2], |v| fit::forward(*v));
+                let every = libm::hypot(x, y);
+                match libm::round(libm::atan2(x, y).to_degrees()) {
+                    turn if turn.abs() <= LEVEL => format!("rows every {every:.0} px"),
+                    turn if (turn.abs() - 90.0).abs() <= LEVEL => format!("columns every {every:.0} px"),
+                    turn => format!("rows every {every:.0} px, turned by {turn:.0}°"),
+                }
+            }
+        }
     }
 
     /// Why the lattice is invalid; `None` if it is valid.
     pub(crate) fn fault(&self) -> Option<String> {
-        let length = |v: &[f64; 2]| libm::hypot(v[0], v[1]);
         if !(1..=2).contains(&self.vectors.len()) {
             return Some(format!("has {} vectors, not 1 or 2", self.vectors.len()));
         }
-        if !self.vectors.iter().all(|v| (SHORTEST..=1e5).contains(&length(v))) {
+        if !self.vectors.iter().all(|v| (SHORTEST..=1e5).contains(&length(*v))) {
             return Some("has a vector that is not within 4 to 100000 pixels".into());
         }
         if let [a, b] = self.vectors[..]
-            && cross(a, b).abs() < LEAST_SINE * length(&a) * length(&b)
+            && cross(a, b).abs() < LEAST_SINE * length(a) * length(b)
         {
             return Some("has two vectors in nearly the same direction".into());
         }
@@ -171,6 +202,33 @@ impl Lattice {
     }
 }
 
+/// A lattice as rows along an axis, or columns; `None` if no short vector of it runs along that axis.
+fn rows_in_words([a, b]: [[f64; 2]; 2], along: usize, [rows, row]: [&str; 2]) -> Option<String> {
+    /// Offsets that have a name, and how near to them others have it too.
+    const SHARES: [(f64, &str); 4] = [(0.5, "half"), (1.0 / 3.0, "third"), (0.25, "quarter"), (0.2, "fifth")];
+    const NEAR: f64 = 0.03;
+    let sums =
+        [[1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, -1.0], [2.0, 1.0], [1.0, 2.0], [2.0, -1.0], [1.0, -2.0]];
+    let is_level = |v: &[f64; 2]| v[1 - along].abs() <= libm::tan(LEVEL.to_radians()) * v[along].abs();
+    let period = sums.map(|by| fit::sum([a, b], by)).into_iter().find(is_level)?;
+    let (every, apart) = (length(period), cross(a, b).abs() / length(period));
+    // How far the next row is moved along, in periods, 0 to a half.
+    let other = if cross(period, a).abs() > cross(period, b).abs() * 0.5 { a } else { b };
+    let rows_on = libm::round(cross(period, other).abs() / cross(a, b).abs()).max(1.0);
+    let moved = dot(other, period) / dot(period, period);
+    let moved = if rows_on > 1.0 { moved / rows_on } else { moved };
+    let moved = (moved - libm::round(moved)).abs();
+    if moved <= NEAR {
+        let across = if along == 0 { "columns" } else { "rows" };
+        return Some(format!("{rows} every {apart:.0} px and {across} every {every:.0} px"));
+    }
+    let share = SHARES.iter().find(|(share, _)| (share - moved).abs() <= NEAR);
+    let by = share.map_or_else(|| format!("{:.0} px", moved * every), |(_, name)| format!("a {name}"));
+    Some(format!(
+        "{rows} every {apart:.0} px, in each a period of {every:.0} px, moved by {by} from {row} to {row}"
+    ))
+}
+
 /// Phases of places: their distances from the origin along each vector, in periods.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Phases {
@@ -184,4 +242,8 @@ pub(crate) fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
 
 pub(crate) fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
     a[0] * b[1] - a[1] * b[0]
+}
+
+pub(crate) fn length(v: [f64; 2]) -> f64 {
+    libm::hypot(v[0], v[1])
 }

@@ -3,7 +3,6 @@
 //!
 //! The guide takes 3 to 9 % of the bytes of a library. The element in a cell is given by the arrangement.
 
-use crate::lattice::{self, Lattice};
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD as BASE64;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
@@ -49,13 +48,6 @@ impl Guide {
             Rgb(sum.map(|v| encoded(v / count as f32)))
         };
         Self { cell, picture: Picture(RgbImage::from_fn(width.div_ceil(cell), height.div_ceil(cell), mean)) }
-    }
-
-    /// The lattice of an exemplar, found in the exemplar itself. `repeated` if the exemplar is one period of
-    /// a drawing.
-    pub fn lattice(&self, repeated: bool) -> Option<Lattice> {
-        let found = lattice::find(&self.picture.0, repeated)?;
-        Some(found.scaled([f64::from(self.cell); 2])).filter(|l| l.fault().is_none())
     }
 
     /// Side of the cells for an exemplar of the given size in pixels: 2, or more for large exemplars, to

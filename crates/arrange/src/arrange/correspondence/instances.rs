@@ -4,7 +4,8 @@
 //! pixels whose votes nearly agree are one instance, whichever primaries they come from: a field that
 //! continues the left half of one stone with the right half of another shows one stone. In a packed exemplar
 //! neighbours stay apart although nothing lies between them, because their votes differ by the width of a
-//! stone. Small instances join a neighbour of their colour or vanish.
+//! stone. Small instances join a neighbour of their colour or vanish. One that is larger than any of the elements that
+//! it comes from is several things, and is divided.
 
 use super::Correspondence;
 use crate::arrange::grid::Grid;
@@ -34,6 +35,10 @@ const ANY_COLOUR: u32 = 40;
 const SPECK: f64 = 0.12;
 /// or below this number of pixels.
 const LEAST: u32 = 12;
+/// An instance is divided among its parts if it is larger than any of their elements by this factor, and at least two
+/// parts have this share of their elements.
+const LARGE: f64 = 1.4;
+const DIVIDED: f64 = 0.3;
 /// Rounds in which small instances join others.
 const ROUNDS: usize = 3;
 
@@ -59,6 +64,35 @@ impl PixelInstance {
     /// The largest part.
     pub(super) fn main(&self) -> &PrimaryPixels {
         &self.parts[0]
+    }
+}
+
+impl PixelInstance {
+    /// The instance, or, if it is larger than any element that it comes from, one for each of its large parts. The
+    /// others go to the large ones that they are nearest to.
+    fn divided(self, model: &PlacementModel) -> Vec<Self> {
+        let whole = |part: &PrimaryPixels| f64::from(model.plain(model.element_of(part.variant)).area);
+        let largest = self.parts.iter().map(whole).fold(0.0, f64::max);
+        let is_large = |part: &PrimaryPixels| f64::from(part.mask.area()) >= DIVIDED * whole(part);
+        let count = self.parts.iter().filter(|part| is_large(part)).count();
+        if f64::from(self.mask.area()) < LARGE * largest || count < 2 {
+            return vec![self];
+        }
+        let (large, small): (Vec<_>, Vec<_>) = self.parts.into_iter().partition(is_large);
+        let middle = |part: &PrimaryPixels| part.mask.centroid().unwrap_or_default();
+        let middles: Vec<(f64, f64)> = large.iter().map(middle).collect();
+        let mut divided: Vec<Vec<PrimaryPixels>> = large.into_iter().map(|part| vec![part]).collect();
+        for part in small {
+            let (x, y) = middle(&part);
+            let far = |k: &usize| libm::hypot(middles[*k].0 - x, middles[*k].1 - y);
+            let nearest = (0..middles.len()).min_by(|a, b| far(a).total_cmp(&far(b)));
+            divided[nearest.unwrap_or(0)].push(part);
+        }
+        let one = |parts: Vec<PrimaryPixels>| {
+            let spans = parts.iter().flat_map(|part| part.mask.spans()).copied().collect();
+            Self { mask: Mask::from_spans(spans), parts, cut: self.cut }
+        };
+        divided.into_iter().map(one).collect()
     }
 }
 
@@ -156,7 +190,10 @@ pub(super) fn find(
         .filter(|(run, _)| !vanished[*run])
         .for_each(|(run, &k)| members[k as usize].push(run));
     members.retain(|list| !list.is_empty());
-    parallel::map(&members, |list| runs.instance(list, SAME_PLACE * correspondence.pages.cell, known))
+    let instances = parallel::map(&members, |list| {
+        runs.instance(list, SAME_PLACE * correspondence.pages.cell, known).divided(model)
+    });
+    instances.into_iter().flatten().collect()
 }
 
 impl PrimaryRuns<'_> {

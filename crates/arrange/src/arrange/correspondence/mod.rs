@@ -7,19 +7,24 @@
 //!
 //! 1. Exemplars become pages of cells ([`pages`]), and the field is found ([`vtex_field::correspondence`]).
 //! 2. Pixels of the canvas that show one element together are an instance ([`instances`]).
-//! 3. Each instance becomes a whole element, another like it, or a fused one ([`resolve`], [`likeness`],
-//!    [`fused`]).
+//! 3. Each instance becomes a whole element, another like it, one gently mapped onto it, or, where elements
+//!    interlock, a fused one ([`resolve`], [`likeness`], [`mapped`], [`fused`]).
 //! 4. With a lattice, elements are moved until their offset is a vector of the lattice, unless the exemplar
-//!    is packed and its elements stray by more than a pixel. A lattice whose strength is below .3 is
-//!    reported, and followed only on request.
+//!    is packed and its elements stray by more than a pixel. A lattice that holds in parts only is reported,
+//!    and followed only on request.
 //! 5. Secondaries come along with their islands ([`secondaries`]), with their own colours.
+//!
+//! A small tile that was repeated for its analysis ([`Source::copies`](vtex_scene::library::Source::copies)) is one
+//! period: the field repeats it.
 //!
 //! Coverage follows from the field. It is corrected only where a map asks for another density.
 
 mod cover;
 mod fused;
 mod instances;
+mod joints;
 mod likeness;
+mod mapped;
 mod pages;
 mod resolve;
 mod secondaries;
@@ -29,13 +34,13 @@ mod structure_classes;
 
 use super::PlacementContext;
 use super::grid::{CellRun, Grid};
-use super::model::{PlacementModel, VariantId};
+use super::model::{Content, PlacementModel, VariantId};
 use super::region::PlacementRegion;
 use cover::Cover;
 use image::{Rgb, RgbImage};
 use instances::Kinds;
 use pages::Pages;
-use resolve::{Resolution, Resolver};
+use resolve::{Mapped, Resolution, Resolver};
 pub(crate) use secondaries::CopiedSecondary;
 use serde::Serialize;
 use similar::Substitutes;
@@ -46,7 +51,7 @@ use vtex_base::progress::advance;
 use vtex_base::raster::picture::label_colour;
 use vtex_base::raster::{LabelMap, Mask};
 use vtex_base::sampling::stream;
-use vtex_field::correspondence::{CanvasRequest, CorrespondenceField, Islands, find_again};
+use vtex_field::correspondence::{CanvasRequest, CellSource, CorrespondenceField, Islands, find_again};
 use vtex_field::layers::{Carrier, LayerExemplar, LayerMap};
 use vtex_scene::lattice::{Lattice, Phases};
 use vtex_scene::library::Library;
@@ -70,7 +75,7 @@ pub struct Structure {
     pub wanted: f64,
     /// Primaries that were carried whole.
     pub whole: usize,
-    /// Primaries that replace similar ones which were carried in part.
+    /// Primaries that stand, moved or gently stretched, for what was carried in part or of several.
     pub like: usize,
     /// Primaries fused from parts of others.
     pub fused: usize,
@@ -121,9 +126,15 @@ impl Correspondence {
             Some(classes) => Some(classes.of_cells([params.width, params.height], size, place)),
             None => shares::libraries(context, model, size, place),
         };
-        let active = shares::active(context, size, place);
-        let request = CanvasRequest { pages: &pages.pages, size, wrap, groups, active, seed: params.seed };
-        let field = find_again(&request, context.memory, progress)?;
+        let field = match repeated(libraries, params, pages.cell, (size, margin)) {
+            Some(field) if groups.is_none() => field,
+            _ => {
+                let active = shares::active(context, size, place);
+                let pages = &pages.pages;
+                let request = CanvasRequest { pages, size, wrap, groups, active, seed: params.seed };
+                find_again(&request, context.memory, progress)?
+            }
+        };
         let this = Self { pages, field, lattices, margin };
         progress.picture("correspondence", &|| this.picture(libraries, model, params));
         progress.picture("islands", &|| this.islands_picture(params));
@@ -150,10 +161,16 @@ impl Correspondence {
         step(0)?;
         let kinds = Kinds::new(libraries, model);
         let instances = instances::find(self, model, grid, &kinds);
+        let packings = resolve::packings(libraries, &self.pages.labels);
+        let joint = |library: usize| {
+            if packings[library] < resolve::PACKED { 0 } else { joints::width(&self.pages.labels[library]) }
+        };
+        let joints: Vec<usize> = (0..libraries.len()).map(joint).collect();
         step(1)?;
         let alike = Substitutes::new(libraries, model);
         let mut cover = Cover::new(grid, &instances);
-        let resolver = Resolver::new(self, libraries, model, grid, (&alike, &kinds.strata), &cover);
+        let resolver =
+            Resolver::new(self, libraries, model, grid, (&alike, &kinds.strata), (packings, &joints), &cover);
         let allowed = |mask: &Mask, at: [i32; 2]| {
             let middle = mask.centroid().map_or(at, |(x, y)| [at[0] + x as i32, at[1] + y as i32]);
             stands(grid, region, mask, at, middle)
@@ -174,6 +191,11 @@ impl Correspondence {
                 Resolution::Like(variant, at) => {
                     structure.like += 1;
                     vec![(variant, at)]
+                }
+                Resolution::Mapped(mapped) => {
+                    structure.like += 1;
+                    let Mapped { variant, map, mask, at, .. } = *mapped;
+                    vec![(model.add_mapped(variant, mask, map), at)]
                 }
                 Resolution::Fused(element, mask) => {
                     let (variant, at) = (instance.main().variant, instance.main().at);
@@ -312,7 +334,7 @@ fn vary(
 ) {
     for (i, (variant, _)) in elements.iter_mut().enumerate() {
         let element = model.element(*variant);
-        if lattices[element.library].is_some() && element.fused.is_none() {
+        if lattices[element.library].is_some() && element.content == Content::Known {
             let mut random = stream(seed, "correspondence/variations", i as u64);
             *variant = model.draw_variant(model.element_of(*variant), &mut random);
         }
@@ -336,6 +358,29 @@ fn lattices(libraries: &[Library], params: &SynthParams) -> Result<Vec<Option<(L
         Ok(Some((lattice, phases)))
     };
     libraries.iter().map(of).collect()
+}
+
+/// The field that repeats a small tile, on a canvas of `size` cells with `margin` cells beside it. `None` if the only
+/// exemplar is no such tile, if another lattice is asked for, or if a canvas that repeats has no whole number of tiles.
+fn repeated(
+    libraries: &[Library],
+    params: &SynthParams,
+    cell: i32,
+    (size, margin): ([usize; 2], [i32; 2]),
+) -> Option<CorrespondenceField> {
+    let [library] = libraries else { return None };
+    let exemplar = [library.arrangement.width, library.arrangement.height];
+    let (canvas, wrap) = ([params.width, params.height], [params.tile.x, params.tile.y]);
+    let fits = |k: usize| {
+        exemplar[k] % cell as u32 == 0
+            && (!wrap[k] || (canvas[k] * library.source.copies[k]).is_multiple_of(exemplar[k]))
+    };
+    if library.source.copies == [1; 2] || params.lattice != LatticeChoice::Auto || !fits(0) || !fits(1) {
+        return None;
+    }
+    let source = |v: usize, k: usize| (v as i32 - margin[k]).rem_euclid(exemplar[k] as i32 / cell) as u16;
+    let row = |y: usize| (0..size[0]).map(move |x| CellSource { page: 0, at: [source(x, 0), source(y, 1)] });
+    Some(CorrespondenceField { size, wrap, sources: (0..size[1]).flat_map(row).collect() })
 }
 
 /// A library without a guide cannot be followed.

@@ -4,13 +4,14 @@
 //! the nearest border of a primary, up to three cells, and its place within that primary, from the middle,
 //! in radii. Each variation that the parameters allow has a page of its own, at most eight. An exemplar that
 //! wraps is continued beyond its borders. An exemplar with a lattice has its plain page only, because a
-//! rotated one has other rows. Colours of strata lie half as far again apart as in the exemplar, so islands
+//! rotated one has other rows. Where colours are so alike that their mean exceeds what features hold, as in pale or
+//! subtle pictures, the mean is taken off. Colours of strata lie half as far again apart as in the exemplar, so islands
 //! keep to their stratum.
 
 use crate::arrange::model::PlacementModel;
 use vtex_base::raster::colour::oklab;
 use vtex_base::raster::{LabelMap, squared_distance};
-use vtex_field::correspondence::{CHANNELS, ExemplarPage, Periods};
+use vtex_field::correspondence::{CHANNELS, ExemplarPage, LARGEST_FEATURE, Periods};
 use vtex_scene::lattice::{Lattice, Phases};
 use vtex_scene::library::{Guide, Library};
 
@@ -261,6 +262,7 @@ impl Pages {
         let labels: Vec<LabelMap> = libraries.iter().map(|l| l.arrangement.to_labels()).collect();
         let colours: Vec<Vec<[f32; 3]>> = libraries.iter().zip(&guides).map(|(l, g)| colours(l, g)).collect();
         let unit = 1.0 / joint_deviation(&colours).max(1e-3);
+        let colours = within_features(colours, unit);
         // An odd step, for every second variation is mirrored.
         let step = model.variations.len().div_ceil(MOST_VARIED) | 1;
         let mut this = Self { cell, pages: Vec::new(), sheets: Vec::new(), labels };
@@ -330,6 +332,17 @@ fn extent(model: &PlacementModel, variation: usize, size: [i32; 2], wrap: bool) 
         let most = there.iter().map(|p| p[k].abs()).fold(0.0, f64::max);
         2 * libm::ceil(most) as i32
     })
+}
+
+/// The colours without their mean, if that exceeds what features hold at `unit` for 1.
+fn within_features(mut colours: Vec<Vec<[f32; 3]>>, unit: f32) -> Vec<Vec<[f32; 3]>> {
+    let count = colours.iter().map(Vec::len).sum::<usize>().max(1) as f64;
+    let sum = |c: usize| colours.iter().flatten().map(|v| f64::from(v[c])).sum::<f64>();
+    let mean = [0, 1, 2].map(|c| (sum(c) / count) as f32);
+    if mean.iter().any(|v| v.abs() * unit >= LARGEST_FEATURE) {
+        colours.iter_mut().flatten().for_each(|colour| (0..3).for_each(|c| colour[c] -= mean[c]));
+    }
+    colours
 }
 
 /// Square root of the variances of all three components together.

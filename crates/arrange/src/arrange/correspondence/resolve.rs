@@ -1,20 +1,26 @@
 //! The elements placed for each instance: a whole element, a similar one, a fused one, or none.
 //!
 //! The main element of an instance is placed whole if it fits. If another element of similar colour and size
-//! fits better, that one is placed. Otherwise the instance becomes a fused element. The more packed the
-//! exemplar, the closer an element has to fit, because a gap is seen there at once. Where elements stand
-//! apart, a fused one has to look like an element of the exemplar ([`likeness`](super::likeness)). If it does
-//! not, it is replaced by those of its elements that were copied in large part, or by the most similar
-//! element, or by none. Elements cut by the exemplar's border are placed only where the canvas cuts them too.
+//! fits better, that one is placed. The more packed the exemplar, the closer an element has to fit, because a gap is
+//! seen there at once.
+//!
+//! An instance that no element fits where it lies is one thing all the same. Where the instance looks like no element
+//! of the exemplar ([`likeness`](super::likeness)), as two flowers at once do, those of its elements are placed that
+//! were copied in large part. Else the element that fits best after a gentle map is placed ([`mapped`](super::mapped)),
+//! of those that the instance was copied from and those like its main one. Where the canvas cuts an instance, that of its elements is placed of which it
+//! shows most. Only where elements interlock, or are long, is what remains fused of its parts, since a gap would be seen.
+//! Elements cut by the exemplar's border are placed only where the canvas cuts them too.
 
 use super::Correspondence;
 use super::cover::Cover;
 use super::fused::fused;
-use super::instances::PixelInstance;
+use super::instances::{PixelInstance, PrimaryPixels};
 use super::likeness::{ElementLook, GuideColours, Likeness};
+use super::mapped::Moments;
 use super::similar::Substitutes;
 use crate::arrange::grid::Grid;
 use crate::arrange::model::{PlaceableId, PlacementModel, VariantId};
+use crate::arrange::variation::Variation;
 use vtex_base::raster::{LabelMap, Mask};
 use vtex_scene::library::{Library, SourceKind};
 use vtex_scene::scene::Element;
@@ -38,7 +44,7 @@ const PRIMARIES: [f64; 2] = [0.45, 0.6];
 const TILED: [f64; 2] = [0.4, 0.6];
 
 /// From this packing on an exemplar counts as packed: its fused elements need not look like its elements.
-const PACKED: f64 = 0.65;
+pub(super) const PACKED: f64 = 0.65;
 /// Fewest pixels of an instance that has to look like an element.
 const LOOKED_AT: u32 = 60;
 /// If several elements replace one instance: least share of each that lies on the instance,
@@ -50,12 +56,43 @@ const ON_OTHERS: f64 = 0.35;
 /// Least overlap over union of an instance and an element that looks like it.
 const LOOKS_LIKE: f64 = 0.4;
 
+/// Areas of elements that are mapped onto an instance, as shares of its own.
+const MAPPED_AREAS: [f64; 2] = [0.5, 2.0];
+/// Elements of least strain of which pixels are compared.
+const LEAST_STRAINED: usize = 10;
+/// Least overlap over union of an instance and an element mapped onto it, for elements that are apart, and for packed
+/// ones with joints between them, which hide a gap, and without.
+const MAPPED: [f64; 2] = [0.6, 0.79];
+const MAPPED_WITHOUT_JOINTS: f64 = 0.88;
+/// The same for an instance that the canvas cuts.
+const CUT: [f64; 2] = [0.6, 0.75];
+/// Elements at least so many times as long as wide are long.
+const LONG: f64 = 4.0;
+/// What a unit of strain costs, in overlap over union.
+const STRAIN: f64 = 0.08;
+/// What it is worth that all of an instance came from an element, likewise.
+const VOTES: f64 = 0.1;
+
+/// An element mapped onto an instance.
+pub(super) struct Mapped {
+    /// The element in the variation of the instance.
+    pub(super) variant: VariantId,
+    /// The map of the primary, its variation included.
+    pub(super) map: Variation,
+    /// Its pixels, relative to its origin, and the place of that.
+    pub(super) mask: Mask,
+    pub(super) at: [i32; 2],
+    union: f64,
+}
+
 /// The elements that are placed for an instance.
 pub(super) enum Resolution {
     /// Elements that it is copied from.
     Whole(Vec<(VariantId, [i32; 2])>),
     /// Another element of similar colour and size.
     Like(VariantId, [i32; 2]),
+    /// One, gently mapped.
+    Mapped(Box<Mapped>),
     /// A new one, relative to the origin of the instance's main part, with its pixels.
     Fused(Box<Element>, Mask),
     /// None.
@@ -71,32 +108,51 @@ pub(super) struct Resolver<'a> {
     /// Looks of elements, unless every exemplar is packed.
     likeness: Option<Likeness>,
     colours: Vec<Option<GuideColours<'a>>>,
+    /// Where the pixels of each element lie about its origin.
+    moments: Vec<Option<Moments>>,
     field: &'a Correspondence,
     /// Packing of each exemplar, 0 to 1.
     packings: Vec<f64>,
+    /// Width of the joints of each exemplar, in pixels; 0 where elements touch or stand apart.
+    joints: &'a [usize],
     /// The area of the map that the field covers.
     known: [[i32; 2]; 2],
     cover: &'a Cover<'a>,
 }
 
 impl<'a> Resolver<'a> {
-    /// `strata` holds the stratum of each element of the model.
+    /// `strata` holds the stratum of each element of the model; `packings` are of the exemplars, as [`packings`] gives
+    /// them, with the widths of their joints.
     pub(super) fn new(
         field: &'a Correspondence,
         libraries: &'a [Library],
         model: &'a PlacementModel,
         grid: &'a Grid,
         (alike, strata): (&'a Substitutes, &[u8]),
+        (packings, joints): (Vec<f64>, &'a [usize]),
         cover: &'a Cover<'a>,
     ) -> Self {
         let labels = &field.pages.labels;
-        let packings: Vec<f64> =
-            libraries.iter().zip(labels).map(|(library, labels)| packing(library, labels)).collect();
         let apart = packings.iter().any(|packing| *packing < PACKED);
         let likeness = apart.then(|| Likeness::new(libraries, labels, model, strata));
         let colours = libraries.iter().map(GuideColours::new).collect();
         let known = field.known(grid);
-        Self { libraries, model, grid, alike, likeness, colours, field, packings, known, cover }
+        let plain = |k: usize| Moments::of(&model.plain(PlaceableId(k as u32)).mask);
+        let moments = (0..model.elements.len()).map(plain).collect();
+        Self {
+            libraries,
+            model,
+            grid,
+            alike,
+            likeness,
+            colours,
+            moments,
+            field,
+            packings,
+            joints,
+            known,
+            cover,
+        }
     }
 
     /// Whether the exemplar of a library counts as packed.
@@ -143,6 +199,22 @@ impl<'a> Resolver<'a> {
             && let Some(outcome) = self.replacement(instance, likeness, &allowed)
         {
             return outcome;
+        }
+        if instance.cut {
+            if let Some(standing) = self.of_which_most_is_seen(instance, &allowed) {
+                return Resolution::Whole(vec![standing]);
+            }
+        } else {
+            if let Some(mapped) = self.mapped(instance, &allowed) {
+                return Resolution::Mapped(Box::new(mapped));
+            }
+        }
+        if !self.is_packed(element.library)
+            && instance.mask.area() >= LOOKED_AT
+            && self.has_whole_ones(instance)
+            && !self.is_long(main.variant)
+        {
+            return Resolution::Nothing;
         }
         let is_free = |at: [i32; 2]| !self.cover.is_wanted(at);
         match fused(instance, self.libraries, self.model, is_free) {
@@ -193,6 +265,85 @@ impl<'a> Resolver<'a> {
             self.fit(instance, mask, at).0 >= LOOKS_LIKE && allowed(mask, at)
         };
         Some(other.filter(fits).map_or(Resolution::Nothing, |variant| Resolution::Like(variant, at)))
+    }
+
+    /// The whole element that fits an instance best after a gentle map: one of those that it was copied from, or one
+    /// like the main one of these. `None` if none fits well.
+    fn mapped(&self, instance: &PixelInstance, allowed: impl Fn(&Mask, [i32; 2]) -> bool) -> Option<Mapped> {
+        let PixelInstance { parts, mask, .. } = instance;
+        let main = instance.main().variant;
+        let wanted = Moments::of(mask)?;
+        let area = f64::from(mask.area());
+        let own = parts.iter().map(|part| (part.variant, f64::from(part.mask.area()) / area));
+        let areas = MAPPED_AREAS[0] * area..MAPPED_AREAS[1] * area;
+        let main_element = self.model.element_of(main);
+        let others = self.alike.of(main_element, areas, CANDIDATES, 0.0);
+        let others = others.map(|other| (self.model.varied(other, main), 0.0));
+        let mut candidates: Vec<(VariantId, f64, [f64; 3], f64)> = Vec::new();
+        for (variant, votes) in own.chain(others) {
+            let is_new = candidates.iter().all(|known| known.0 != variant);
+            let Some(moments) = &self.moments[self.model.element_of(variant).0 as usize] else { continue };
+            if is_new && self.model.element(variant).placeable {
+                let (map, strain) = moments.varied(self.model.variation(variant)).onto(&wanted);
+                candidates.push((variant, VOTES * votes - STRAIN * strain, map, strain));
+            }
+        }
+        candidates.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+        candidates.truncate(LEAST_STRAINED);
+        let library = self.model.element(main).library;
+        let packing = self.packings[library];
+        let packed = if self.joints[library] > 0 { MAPPED[1] } else { MAPPED_WITHOUT_JOINTS };
+        let least = MAPPED[0] + packing * (packed - MAPPED[0]);
+        let judged = candidates.into_iter().filter_map(|(variant, worth, map, _)| {
+            let mapped = self.under(variant, map, wanted.middle, mask)?;
+            (mapped.union >= least && allowed(&mapped.mask, mapped.at))
+                .then_some((mapped.union + worth, mapped))
+        });
+        judged.max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.variant.cmp(&a.1.variant))).map(|best| best.1)
+    }
+
+    /// Whether an element is long, such as the gap between two planks: islands cut it, and its parts run on.
+    fn is_long(&self, variant: VariantId) -> bool {
+        let moments = &self.moments[self.model.element_of(variant).0 as usize];
+        moments.as_ref().is_some_and(|moments| moments.elongation() >= LONG)
+    }
+
+    /// Whether an instance was copied from an element that may be placed, or is like one. A photograph may cut all
+    /// large things that it shows.
+    fn has_whole_ones(&self, instance: &PixelInstance) -> bool {
+        let is_whole = |part: &PrimaryPixels| self.model.element(part.variant).placeable;
+        let main = self.model.element_of(instance.main().variant);
+        instance.parts.iter().any(is_whole) || self.alike.of(main, 0.0..f64::MAX, 1, 0.0).next().is_some()
+    }
+
+    /// A variant under a symmetric map, with its middle at a place, beside a mask.
+    fn under(&self, variant: VariantId, map: [f64; 3], middle: [f64; 2], beside: &Mask) -> Option<Mapped> {
+        let element = self.model.element_of(variant);
+        let map = self.model.variation(variant).then(map);
+        let mask = map.of_mask(&self.model.plain(element).mask);
+        let (x, y) = mask.centroid()?;
+        let at = [middle[0] - x, middle[1] - y].map(|v| libm::round(v) as i32);
+        let both = f64::from(beside.overlap(&mask.shifted(at[0], at[1])));
+        let union = both / (f64::from(beside.area()) + f64::from(mask.area()) - both).max(1.0);
+        Some(Mapped { variant, map, mask, at, union })
+    }
+
+    /// Of the elements that an instance at the border was copied from, the one that fits it best where it lies.
+    fn of_which_most_is_seen(
+        &self,
+        instance: &PixelInstance,
+        allowed: impl Fn(&Mask, [i32; 2]) -> bool,
+    ) -> Option<(VariantId, [i32; 2])> {
+        let packing = self.packings[self.model.element(instance.main().variant).library];
+        let least = CUT[0] + packing * (CUT[1] - CUT[0]);
+        let fits = |part: &PrimaryPixels| {
+            let mask = &self.model.shape(part.variant).mask;
+            let (union, _) = self.fit(instance, mask, part.at);
+            (union >= least && allowed(mask, part.at)).then_some((union, (part.variant, part.at)))
+        };
+        let best =
+            instance.parts.iter().filter_map(fits).max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
+        best.map(|(_, standing)| standing)
     }
 
     /// The colour that the field brings to a pixel of the map.
@@ -249,6 +400,11 @@ impl<'a> Resolver<'a> {
         let best = candidates.filter_map(fit).max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)))?;
         Some((best.1, at))
     }
+}
+
+/// The packing of each exemplar, 0 to 1.
+pub(super) fn packings(libraries: &[Library], labels: &[LabelMap]) -> Vec<f64> {
+    libraries.iter().zip(labels).map(|(library, labels)| packing(library, labels)).collect()
 }
 
 /// The packing of an exemplar, 0 to 1: by how much primaries touch, or how much they cover, or how much
