@@ -151,9 +151,9 @@ pub mod layers {
 pub mod library {
     #[doc(inline)]
     pub use vtex_scene::library::{
-        AnalyzeParams, Arrangement, Categories, Category, CategoryId, ElementId, ExemplarElement,
+        AnalyzeParams, Arrangement, Categories, Category, CategoryId, Contrast, ElementId, ExemplarElement,
         ExemplarInstance, ExemplarLayer, Gradient, Grouping, Guide, Lattice, Library, Motif, MotifGrouping,
-        MotifPart, Picture, PictureKind, Role, Shading, Shape, Source, SourceKind, Stratum,
+        MotifPart, Picture, PictureKind, Role, Shading, Shape, Source, SourceKind, Stratum, Stretch,
     };
 }
 

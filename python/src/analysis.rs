@@ -117,7 +117,7 @@ pub(crate) fn analyze(
             library.source.file = file;
             return Ok(library);
         }
-        let mut exemplar = exemplar.exemplar(&name)?;
+        let mut exemplar = exemplar.exemplar(&name, options.wrap != Some(false))?;
         exemplar.file = file;
         if shows_lines(&exemplar.image) {
             progress.warn("the picture shows lines on paper: kind='curves' reads it as a drawing of strokes");

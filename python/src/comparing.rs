@@ -66,7 +66,7 @@ impl Viewed {
     /// Those of decoding and drawing.
     fn picture(self, name: &str, progress: &dyn Progress) -> Result<(RgbImage, Option<Drawing>)> {
         match self {
-            Self::Picture(picture) => Ok((picture.exemplar(name)?.image, None)),
+            Self::Picture(picture) => Ok((picture.exemplar(name, false)?.image, None)),
             Self::Drawing(drawing) => Ok((drawing.drawn(1.0, name, progress)?, Some(drawing))),
         }
     }

@@ -154,7 +154,7 @@ pub(crate) fn stylize(
     let made = run(py, None, move |_| {
         let StylizeOptions { keep, longer_side, element_size, levels, seed } = options;
         let params = StylizeParams { size: longer_side, element: element_size, levels, keep, seed };
-        vtex::transfer::stylize(&picture.exemplar(&name)?.image, &texture, &params)
+        vtex::transfer::stylize(&picture.exemplar(&name, false)?.image, &texture, &params)
     });
     made.map(Scene::from)
 }

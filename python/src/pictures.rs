@@ -20,14 +20,17 @@ pub(crate) enum PictureInput {
 }
 
 impl PictureInput {
-    /// Converts it to an exemplar.
+    /// Converts it to an exemplar; a small one that may be a tile is repeated if it is one.
     ///
     /// # Errors
     /// Those of decoding.
-    pub(crate) fn exemplar(self, name: &str) -> vtex::Result<Exemplar> {
-        match self {
-            Self::Bytes(bytes) => Exemplar::from_bytes(&bytes, name, &Limits::default()),
-            Self::Pixels(image) => Exemplar::from_image(image, name),
+    pub(crate) fn exemplar(self, name: &str, may_tile: bool) -> vtex::Result<Exemplar> {
+        let limits = Limits::default();
+        match (self, may_tile) {
+            (Self::Bytes(bytes), true) => Exemplar::tile_from_bytes(&bytes, name, &limits),
+            (Self::Bytes(bytes), false) => Exemplar::from_bytes(&bytes, name, &limits),
+            (Self::Pixels(image), true) => Exemplar::tile_from_image(image, name),
+            (Self::Pixels(image), false) => Exemplar::from_image(image, name),
         }
     }
 }

@@ -167,7 +167,9 @@ pub(crate) fn library_of(
         return Ok(library);
     }
     // Errors name the file as the user wrote it.
-    let mut exemplar = Exemplar::from_bytes(&bytes, &analysis.input.name(), &Limits::default())?;
+    let is_no_tile = !analysis.looks_at_borders || analysis.wrap == Some(false);
+    let read = if is_no_tile { Exemplar::from_bytes } else { Exemplar::tile_from_bytes };
+    let mut exemplar = read(&bytes, &analysis.input.name(), &Limits::default())?;
     exemplar.file = name.into_owned();
     drop(bytes);
     if shows_lines(&exemplar.image) {
@@ -187,7 +189,8 @@ pub(crate) fn library_of(
         None => segmenter(common, analysis, reporter)?,
     };
     let saving = Saving { segmenter, place: analysis.save_masks.as_ref() };
-    let joins = || analysis.looks_at_borders && borders_join(&exemplar.image);
+    let repeated = exemplar.copies != [1; 2];
+    let joins = || repeated || (analysis.looks_at_borders && borders_join(&exemplar.image));
     let wrap = analysis.wrap.unwrap_or_else(joins);
     let parameters = AnalyzeParams { wrap, ..analysis.parameters.clone() };
     let library = match known.memory {
@@ -198,7 +201,9 @@ pub(crate) fn library_of(
     if let Some(save) = &analysis.layers.save {
         save.write(&layer_map(&library), [library.arrangement.periodic; 2], None)?;
     }
-    if wrap && analysis.wrap.is_none() {
+    // A tiny picture is repeated whether or not its borders join.
+    let is_tiny = (0..2).any(|k| size[k] / exemplar.copies[k] < Exemplar::SMALLEST_SIDE);
+    if wrap && analysis.wrap.is_none() && !is_tiny {
         reporter.hint(
             "the photograph's borders join, so its texture runs on across them; not so with --wrap=off",
         );

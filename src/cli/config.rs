@@ -306,6 +306,10 @@ impl Parameters {
                 t.insert("wrap".into(), Value::try_from(self.wrap).expect("a word"));
                 // Libraries do not store these defaults.
                 t.insert("group".into(), Value::try_from(self.analyze.group).expect("a word"));
+                t.insert(
+                    "contrast".into(),
+                    Value::try_from(self.analyze.contrast).expect("a word or a number"),
+                );
                 t.insert("kind".into(), Value::try_from(self.analyze.kind).expect("a word"));
                 t
             }
@@ -415,7 +419,8 @@ mod tests {
     fn every_parameter_has_an_option() {
         assert_eq!(
             fields(AnalyzeParams::default(), &["seed"]),
-            sorted_keys("analyze", &["segmenter", "group", "kind"])
+            // A kind and a contrast that are the default are not stored.
+            sorted_keys("analyze", &["segmenter", "group", "kind", "contrast"])
         );
         // A variation and categories that are left out are stored only if they are given.
         let handled = ["seed", "width", "height", "weights", "variation"];

@@ -16,8 +16,8 @@ use super::progress::Reporter;
 use super::recipe::of_variant;
 use super::replacing::{self, TextureOrigin};
 use super::summary::{
-    Coverage, ElementCounts, LayersReport, MotifCount, PhotographReduction, SEVERAL, Summary, bytes,
-    exemplar_of, few_whole,
+    Coverage, ElementCounts, LayersReport, MotifCount, PhotographPreparation, PhotographReduction, SEVERAL,
+    Summary, bytes, exemplar_of, few_whole,
 };
 use super::values::Resolution;
 use serde_json::Value;
@@ -266,6 +266,10 @@ impl FinishedTexture<'_> {
             size: drawing.size_of(&scene, targets.first.kind.format),
             page: drawing.page(&scene),
             reduced: library.filter(|_| command == "texture").and_then(PhotographReduction::of_library),
+            prepared: library
+                .filter(|_| command == "texture")
+                .map(PhotographPreparation::of_library)
+                .unwrap_or_default(),
             counts: Some(ElementCounts::of_scene(&scene)),
             coverage: Some(Coverage {
                 wanted: Some(report.coverage_wanted),

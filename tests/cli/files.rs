@@ -442,7 +442,7 @@ fn a_texture_is_made_again_from_what_it_says() {
     let ramp = image::GrayImage::from_fn(64, 4, |x, _| image::Luma([4 * x as u8]));
     folder.write("ramp.png", super::support::encode(&ramp.into(), image::ImageFormat::Png));
     let analysis = "--detail-scale 20 --fidelity 0.8 --segmenter regions --categories 3";
-    let synthesis = "--size 93x60 --rotate 15 --precision 2 --expand --density ramp.png --tile x";
+    let synthesis = "--size 94x60 --rotate 15 --precision 2 --expand --density ramp.png --tile x";
     folder.run(&format!("texture photo.png {analysis} {synthesis} -o a.svg")).succeeds();
     folder.run("texture photo.png --again a.svg -o b.svg").succeeds();
     assert_eq!(folder.read("a.svg"), folder.read("b.svg"));

@@ -23,5 +23,6 @@ mod stages;
 mod stopping;
 #[cfg(feature = "studio")]
 mod studio;
+mod subtle;
 pub(crate) mod support;
 mod tune;

@@ -439,7 +439,7 @@ fn a_heavy_texture_says_what_it_costs_and_what_to_type_instead() {
 fn a_tile_that_holds_no_whole_periods_names_the_size_that_does() {
     let folder = Folder::with_library();
     let told = folder.run("inspect photo.lib.json").succeeds().text().to_owned();
-    assert!(told.contains("a lattice that repeats every "), "{told}");
+    assert!(told.contains("px: textures keep to them"), "{told}");
     let run =
         folder.run("synth photo.lib.json --size 50 --tile -o a.svg").fails(1, "whole periods of its lattice");
     let size = run.stderr.split("give --size ").nth(1).and_then(|rest| rest.split(',').next()).unwrap();

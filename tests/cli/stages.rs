@@ -9,7 +9,7 @@ fn unusable_photographs_get_a_clear_answer() {
     let image = |w, h| DynamicImage::from(RgbImage::from_pixel(w, h, Rgb([9, 10, 11])));
     folder.write("one.png", encode(&image(1, 1), ImageFormat::Png));
     folder.write("flat.png", encode(&image(64, 64), ImageFormat::Png));
-    folder.run("texture one.png").fails(1, "it has 1 x 1 pixels, at least 32 x 32 are needed");
+    folder.run("texture one.png").fails(1, "it has 1 x 1 pixels, at least 4 x 4 are needed");
     let run = folder.run("texture flat.png").fails(1, "every pixel has the colour #090a0b");
     assert!(run.stderr.contains("hint: "));
     assert_eq!(folder.names(), ["flat.png", "one.png", "photo.png"]);

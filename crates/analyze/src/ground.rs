@@ -66,8 +66,8 @@ impl Ground {
         // Errors of the window are sums over pixels.
         let least = cost.error_per_byte / grid.area() * SPOT_BYTES;
         let rules = rules(partition.params);
-        let rounds = |before: usize| PaintedRounds { progress, before };
-        let shades = window.paint(least, FIRST_ROUNDS, rules, &rounds(0))?;
+        let rounds = |span| PaintedRounds { progress, span };
+        let shades = window.paint(least, FIRST_ROUNDS, rules, &rounds(FIRST_PURSUIT))?;
         let worth = cost.error_per_byte * DEARER * SECONDARY_BYTES;
         let stays = parallel::map(&patches, |patch| gain(image, &window, patch, grid.cells) >= worth);
         let patches: Vec<FlatPatch> =
@@ -75,22 +75,31 @@ impl Ground {
         window.painted = bare;
         leave_out(&mut window, &patches, grid);
         let mut shades = window.repaint(&shades, least, rules);
-        shades.extend(window.paint(least, ROUNDS, rules, &rounds(FIRST_ROUNDS))?);
+        shades.extend(window.paint(least, ROUNDS, rules, &rounds(LAST_PURSUIT))?);
         let spot = |shade: Shade| GroundSpot { behind: behind.colour(shade.ellipse.centre), shade };
         Ok(Self { patches, spots: shades.into_iter().map(spot).collect() })
     }
 }
 
-/// Progress of the stage by the rounds of both pursuits, which take most of its time.
+/// Progress of the stage, in thousandths of its time, by the rounds of a pursuit, each of which takes about
+/// [`NEXT_ROUND`] as long as the one before.
 struct PaintedRounds<'a> {
     progress: &'a dyn Progress,
-    /// Rounds before this pursuit.
-    before: usize,
+    /// Thousandths before this pursuit, and after its last round.
+    span: [u64; 2],
 }
+
+/// Thousandths of the stage's time that both pursuits span, as measured; what follows takes the rest.
+const FIRST_PURSUIT: [u64; 2] = [0, 650];
+const LAST_PURSUIT: [u64; 2] = [650, 800];
+/// Time of a round, in hundredths of that of the one before.
+const NEXT_ROUND: u64 = 57;
 
 impl Progress for PaintedRounds<'_> {
     fn advance(&self, _: &'static str, done: u64, _: u64) -> bool {
-        self.progress.advance(STAGE, self.before as u64 + done, (FIRST_ROUNDS + ROUNDS) as u64)
+        let [begin, end] = self.span;
+        let left = (0..done).fold(end - begin, |left, _| left * NEXT_ROUND / 100);
+        self.progress.advance(STAGE, end - left, 1000)
     }
 }
 
@@ -233,8 +242,10 @@ impl CoarseBackground {
 
 #[cfg(test)]
 mod tests {
+    use super::*;
     use crate::Exemplar;
     use image::{Rgb, RgbImage};
+    use std::sync::Mutex;
     use vtex_base::raster::Limits;
     use vtex_scene::element::Ellipse;
     use vtex_scene::library::{AnalyzeParams, Library};
@@ -248,6 +259,29 @@ mod tests {
         let exemplar = Exemplar::from_bytes(&png.into_inner(), "test.png", &Limits::default()).unwrap();
         let params = AnalyzeParams { minimum_area: 5000, ..AnalyzeParams::default() };
         crate::analyze(&exemplar, &Felzenszwalb::default(), &params, &()).unwrap()
+    }
+
+    #[test]
+    fn rounds_are_reported_by_the_time_that_they_take() {
+        struct Reports(Mutex<Vec<[u64; 2]>>);
+        impl Progress for Reports {
+            fn advance(&self, stage: &'static str, done: u64, total: u64) -> bool {
+                assert_eq!(stage, STAGE);
+                self.0.lock().unwrap().push([done, total]);
+                true
+            }
+        }
+        let reports = Reports(Mutex::default());
+        for (span, rounds) in [(FIRST_PURSUIT, FIRST_ROUNDS), (LAST_PURSUIT, ROUNDS)] {
+            let pursuit = PaintedRounds { progress: &reports, span };
+            (0..rounds as u64).for_each(|round| assert!(pursuit.advance("spots", round, rounds as u64)));
+        }
+        let reports = reports.0.into_inner().unwrap();
+        assert!(reports.iter().all(|r| r[0] < r[1]));
+        assert!(reports.windows(2).all(|pair| pair[0][0] <= pair[1][0]));
+        // The first rounds take most of the time, and pursuits end before their last round.
+        assert_eq!(reports[..4], [[0, 1000], [280, 1000], [440, 1000], [531, 1000]]);
+        assert_eq!(reports[FIRST_ROUNDS..][..3], [[650, 1000], [715, 1000], [752, 1000]]);
     }
 
     #[test]

@@ -7,6 +7,7 @@ mod background;
 mod borders;
 mod candidates;
 mod categories;
+mod contrast;
 mod doubts;
 mod edges;
 mod exemplar;
@@ -31,6 +32,7 @@ mod secondaries;
 mod shading;
 mod shapes;
 mod simplify;
+mod small_tiles;
 mod strata;
 mod unmix;
 
@@ -54,6 +56,7 @@ use vtex_base::progress::{Progress, SideBySide, advance};
 use vtex_base::raster::blur::gaussian;
 use vtex_base::raster::picture::outlines;
 use vtex_base::raster::{LabelMap, Mask};
+use vtex_scene::lattice;
 use vtex_scene::library::{
     Arrangement, Category, CategoryId, ExemplarElement, Guide, Library, Source, SourceKind,
 };
@@ -65,7 +68,9 @@ use vtex_segment::segment::{GivenCategory, Segmenter, details};
 /// threads.
 ///
 /// A photograph of more than `max_pixels` is reduced first. Its library has the units of the photograph all the
-/// same, and says by how much it was reduced ([`Source::scale`]).
+/// same, and says by how much it was reduced ([`Source::scale`]). The contrast of a subtle picture is stretched; the
+/// library has its own colours all the same ([`Source::contrast`]). A small tile that was repeated is enlarged. It wraps,
+/// and its lattice is its size ([`Source::copies`]).
 ///
 /// An exemplar without primaries is no error. Its library holds the background, secondaries and a
 /// warning.
@@ -125,8 +130,23 @@ fn analyzed(
 ) -> Result<Library> {
     params.validate()?;
     let (width, height) = exemplar.image.dimensions();
-    let reduced = reduced::reduced(exemplar, segmenter, params, progress)?;
-    let library = analyze_whole(&reduced, [width, height], (segmenter, params), memory, progress)?;
+    let repeated = exemplar.copies != [1; 2];
+    let params = &AnalyzeParams { wrap: params.wrap || repeated, ..params.clone() };
+    let mut reduced = reduced::reduced(exemplar, segmenter, params, progress)?;
+    let stretch = contrast::stretch(&reduced.image, repeated, params);
+    if let Some(stretch) = &stretch {
+        reduced.to_mut().image = contrast::stretched(&reduced.image, stretch);
+    }
+    if repeated && reduced.image.dimensions() == (width, height) {
+        let exemplar = reduced.to_mut();
+        exemplar.image = small_tiles::enlarged(&exemplar.image, exemplar.copies);
+        let (width, height) = exemplar.image.dimensions();
+        exemplar.layers.iter_mut().for_each(|map| map.labels = map.labels.resized(width, height));
+    }
+    let mut library = analyze_whole(&reduced, [width, height], (segmenter, params), memory, progress)?;
+    if let Some(stretch) = stretch {
+        library = contrast::undone(library, &stretch);
+    }
     if reduced.image.dimensions() == (width, height) {
         return Ok(library);
     }
@@ -146,7 +166,10 @@ fn analyze_whole(
     mut memory: Option<&mut AnalysisMemory>,
     progress: &dyn Progress,
 ) -> Result<Library> {
-    let masks = segmenter.segment_reduced(&exemplar.image, whole, progress)?;
+    let mut masks = segmenter.segment_reduced(&exemplar.image, whole, progress)?;
+    if exemplar.copies != [1; 2] {
+        masks = small_tiles::of_all_copies(masks, exemplar.image.dimensions().into(), exemplar.copies);
+    }
     progress.picture("masks", &|| pictures::masks(&exemplar.image, &masks));
     advance(progress, "primaries", 0, 1)?;
     let partition = Partition::new(exemplar, &masks, params, memory.as_mut().map(|m| &mut m.enlarged));
@@ -256,7 +279,11 @@ fn library(
         categories,
         arrangement: Arrangement { periodic: params.wrap, ..Arrangement::from_labels(&labels) },
         descriptor_half,
-        lattice: lattice.map_or_else(|| guide.lattice(false), |known| known.of(&guide)),
+        lattice: match (exemplar.copies, lattice) {
+            ([1, 1], Some(known)) => known.of(&exemplar.image),
+            ([1, 1], None) => lattice::find(&exemplar.image, false),
+            (copies, _) => small_tiles::lattice([width, height], copies),
+        },
         motifs: Vec::new(),
         guide: Some(guide),
     }
@@ -293,6 +320,8 @@ fn source(exemplar: &Exemplar, segmenter: &dyn Segmenter, params: &AnalyzeParams
         width,
         height,
         scale: [1.0; 2],
+        copies: exemplar.copies,
+        contrast: 1.0,
         sha256: exemplar.sha256.clone(),
         segmenter: segmenter.name(),
         parameters: params.clone(),

@@ -352,6 +352,7 @@ mod tests {
     fn library(image: RgbImage, wrap: bool) -> Library {
         let exemplar = Exemplar {
             image,
+            copies: [1; 2],
             file: "discs.png".into(),
             sha256: "0".repeat(64),
             layers: None,

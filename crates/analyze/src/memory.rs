@@ -15,8 +15,8 @@ use vtex_base::error::Result;
 use vtex_base::progress::Progress;
 use vtex_base::raster::{Mask, Span};
 use vtex_field::layers::LayerSearch;
-use vtex_scene::lattice::Lattice;
-use vtex_scene::library::{AnalyzeParams, Guide};
+use vtex_scene::lattice::{self, Lattice};
+use vtex_scene::library::AnalyzeParams;
 
 /// Results of the last analysis that the next one may take over; see [`analyze_again`](crate::analyze_again).
 ///
@@ -72,14 +72,14 @@ impl LayersMemory {
     }
 }
 
-/// The lattice of a guide.
+/// The lattice of a photograph.
 #[derive(Default)]
-pub(super) struct LatticeMemory(Option<(Guide, Option<Lattice>)>);
+pub(super) struct LatticeMemory(Option<(RgbImage, Option<Lattice>)>);
 
 impl LatticeMemory {
-    pub(super) fn of(&mut self, guide: &Guide) -> Option<Lattice> {
-        let kept = self.0.take().filter(|(known, _)| known == guide);
-        self.0.insert(kept.unwrap_or_else(|| (guide.clone(), guide.lattice(false)))).1.clone()
+    pub(super) fn of(&mut self, image: &RgbImage) -> Option<Lattice> {
+        let kept = self.0.take().filter(|(known, _)| known == image);
+        self.0.insert(kept.unwrap_or_else(|| (image.clone(), lattice::find(image, false)))).1.clone()
     }
 }
 
@@ -194,6 +194,7 @@ mod tests {
         let masks = cells.map(|cell| ScoredMask { mask: mask(cell), score: 1.0 }).collect();
         let exemplar = Exemplar {
             image,
+            copies: [1; 2],
             file: "stones.png".into(),
             sha256: "0".repeat(64),
             layers: None,

@@ -50,9 +50,9 @@ pub(super) fn reduced<'a>(
         layers: map.layers.clone(),
     });
     advance(progress, "reducing", 2, 2)?;
-    let Exemplar { file, sha256, warnings, .. } = exemplar;
+    let Exemplar { copies, file, sha256, warnings, .. } = exemplar;
     let (file, sha256, warnings) = (file.clone(), sha256.clone(), warnings.clone());
-    Ok(Cow::Owned(Exemplar { image, file, sha256, layers, warnings }))
+    Ok(Cow::Owned(Exemplar { image, copies: *copies, file, sha256, layers, warnings }))
 }
 
 /// Number of pixels at which an image's elements have the best size; `None` if they cover too little of it.
@@ -106,7 +106,14 @@ mod tests {
             Rgb(if inside { [shade, shade / 2, 30] } else { [210, 205, 190] })
         });
         let warnings = Vec::new();
-        Exemplar { image, file: "discs".into(), sha256: String::new(), layers: None, warnings }
+        Exemplar {
+            image,
+            copies: [1; 2],
+            file: "discs".into(),
+            sha256: String::new(),
+            layers: None,
+            warnings,
+        }
     }
 
     #[test]

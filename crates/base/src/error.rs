@@ -369,7 +369,9 @@ impl Error {
             }
             Self::OtherLibrary { .. } => "give the libraries that the scene was made from".into(),
             Self::Unusable { .. } => {
-                "use a photograph of at least 32 x 32 pixels that shows the texture from above".into()
+                "use a photograph of at least 32 x 32 pixels that shows the texture from above, or a tile of at least \
+                 4 x 4 pixels"
+                    .into()
             }
             Self::Version { found, known, .. } if found > known => {
                 "a newer vtex wrote it: update vtex, or write the file again with this version".into()

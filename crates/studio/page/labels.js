@@ -28,6 +28,7 @@ const LABELS = {
   "background-margin": "Margin around elements left out of the background",
   "colors": "Number of colours; 0 is any",
   "max-paths": "Number of shapes; 0 is any",
+  "contrast": "Stretch of contrast before the analysis: auto, off or a factor",
   "layers": "Nested layers, such as rust on paint",
   "wrap": "Whether the picture itself tiles",
   "elements": "What counts as an element of a drawing",

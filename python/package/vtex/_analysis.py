@@ -35,6 +35,7 @@ def analyze(
     max_paths: int = 0,
     cells: int = 0,
     max_pixels: int | Literal["off"] = 1_200_000,
+    contrast: float | Literal["auto", "off"] = "auto",
     wrap: bool | None = None,
     layers: int | Literal["auto", "off"] = "auto",
     layer_order: Sequence[int] = (),
@@ -59,8 +60,9 @@ def analyze(
     exemplar : str, os.PathLike, bytes, file, numpy.ndarray or PIL.Image.Image
         The photograph (PNG, JPEG, TIFF, WebP, BMP, GIF, PNM) or SVG: its path, its bytes, a file open for
         reading bytes, or the text of an SVG; or pixels: an array height x width x 3 of uint8 (also x 4, laid
-        over white, or height x width of greys), or an image of Pillow. At least 32 pixels on each side, at
-        most 16384. Colour profiles of files are applied; pixels are taken as sRGB.
+        over white, or height x width of greys), or an image of Pillow. At most 16384 pixels on each side.
+        Tiles of a few pixels are repeated; with ``wrap=False`` at least 32 pixels are needed. Colour profiles
+        of files are applied; pixels are taken as sRGB.
     name : str, optional
         What the library calls the exemplar. Default: the file's name, or ``"array"``.
     segmenter : {"auto", "texton", "regions", "felzenszwalb", "sam"}, default "auto"
@@ -108,6 +110,9 @@ def analyze(
     max_pixels : int or "off", default 1 200 000
         A photograph of more pixels is reduced first, to this number, or to where its elements are some 20
         to 80 pixels across. Sizes of results stay in the photograph's own pixels.
+    contrast : float, "auto" or "off", default "auto"
+        Factor by which the contrast is stretched before the analysis, 1 to 10. ``"auto"`` stretches subtle pictures
+        only. Results have the picture's own colours.
     wrap : bool, optional
         Whether opposite borders join, so that what they cut is one element. Default: where they are seen
         to.
@@ -180,6 +185,7 @@ def analyze(
         "max_paths": max_paths,
         "cells": cells,
         "max_pixels": max_pixels,
+        "contrast": contrast,
         "wrap": wrap is True,
         "layers": 1 if layers == "off" else layers,
         "layer_order": list(layer_order),

@@ -28,6 +28,7 @@ class Parameters(TypedDict, total=False):
     descriptor_reach: float
     background_spacing: float
     background_margin: float
+    contrast: float | Literal["auto", "off"]
     wrap: bool | None
     layers: int | Literal["auto", "off"]
     layer_order: Sequence[int]

@@ -14,7 +14,9 @@ use crate::cli::options::masks::MasksArgs;
 use crate::cli::options::preset::PresetArgs;
 use crate::cli::output::{Targets, say};
 use crate::cli::progress::{Plan, Reporter};
-use crate::cli::summary::{Coverage, ElementCounts, LayersReport, MotifCount, PhotographReduction, Summary};
+use crate::cli::summary::{
+    Coverage, ElementCounts, LayersReport, MotifCount, PhotographPreparation, PhotographReduction, Summary,
+};
 use clap::Args;
 use std::path::PathBuf;
 use vtex::output::file::Format;
@@ -92,6 +94,7 @@ fn run(common: &Common, reporter: &Reporter, analysis: &Analysis, targets: &Targ
         seed: Some(library.source.parameters.seed),
         size: [library.source.width, library.source.height],
         reduced: PhotographReduction::of_library(&library),
+        prepared: PhotographPreparation::of_library(&library),
         counts: Some(ElementCounts::of_library(&library)),
         coverage: Some(Coverage {
             wanted: Some(library.coverage),

@@ -16,7 +16,7 @@ use crate::cli::options::render::RenderFlags;
 use crate::cli::options::svg::SvgFlags;
 use crate::cli::output::{DrawingOptions, Targets, say};
 use crate::cli::progress::{Plan, Reporter};
-use crate::cli::summary::{ElementCounts, PhotographReduction, Summary};
+use crate::cli::summary::{ElementCounts, PhotographPreparation, PhotographReduction, Summary};
 use clap::Args;
 use std::path::PathBuf;
 use vtex::Progress;
@@ -125,6 +125,7 @@ fn run(
         size: drawing.size_of(&scene, targets.first.kind.format),
         page: drawing.page(&scene),
         reduced: PhotographReduction::of_library(&library),
+        prepared: PhotographPreparation::of_library(&library),
         counts: Some(ElementCounts::of_scene(&scene)),
         ..Summary::new("vectorize", vec![analysis.input.name()], targets.path(), written, reporter)
     };

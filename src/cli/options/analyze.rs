@@ -8,7 +8,7 @@ use crate::cli::values::{Wrap, named, one_of};
 use clap::{Args, ValueEnum};
 use serde::{Deserialize, Serialize};
 use vtex::Parameter;
-use vtex::library::{AnalyzeParams, Categories, Grouping, MotifGrouping, PictureKind, Shading};
+use vtex::library::{AnalyzeParams, Categories, Contrast, Grouping, MotifGrouping, PictureKind, Shading};
 
 /// The segmenter that finds the masks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, ValueEnum, Serialize, Deserialize)]
@@ -88,6 +88,11 @@ pub(crate) struct AnalyzeFlags {
     #[arg(long, value_name = "NUMBER", value_parser = pixel_limit)]
     #[arg(takes = format!("{MAX_PIXELS}, or off, default: {}", MAX_PIXELS.default()))]
     pub(crate) max_pixels: Option<u32>,
+    /// Stretch the contrast of a subtle picture before the analysis: auto measures the factor, and results
+    /// have the picture's own colours
+    #[arg(long, value_name = "FACTOR")]
+    #[arg(takes = format!("auto, off, or {}, default: auto", AnalyzeParams::CONTRAST))]
+    pub(crate) contrast: Option<Contrast>,
     /// The exemplar tiles: opposite borders join, and what they cut is one element. auto: where they are
     /// seen to, but for vectorize [auto, on or off; alone: on; default: auto]
     #[arg(long, value_name = "WHETHER", num_args = 0..=1, require_equals = true, default_missing_value = "on")]

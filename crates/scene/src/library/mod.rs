@@ -2,6 +2,7 @@
 
 mod arrangement;
 mod categories;
+mod contrast;
 mod excluded;
 mod guide;
 mod instance;
@@ -9,6 +10,7 @@ mod layer_count;
 mod motif;
 mod parameters;
 mod pixel_limit;
+mod recolour;
 mod strata;
 #[cfg(any(test, feature = "testing"))]
 pub mod testing;
@@ -18,10 +20,12 @@ mod version1;
 
 pub use arrangement::Arrangement;
 pub use categories::Categories;
+pub use contrast::Contrast;
 pub use guide::{Guide, Picture};
 pub use instance::ExemplarInstance;
 pub use motif::{Motif, MotifPart};
 pub use parameters::{AnalyzeParams, Grouping, MotifGrouping, PictureKind, Shading};
+pub use recolour::Stretch;
 pub use strata::Stratum;
 
 use crate::element;
@@ -106,6 +110,15 @@ pub struct Source {
     /// 1 for a photograph that was reduced before it was analysed. Default 1.
     #[serde(default = "same_scale", skip_serializing_if = "is_same_scale")]
     pub scale: [f64; 2],
+    /// Number of copies of a small tile along x and y that make the exemplar: the tile was repeated before it was
+    /// analysed, and width and height are those of all copies. Default 1 and 1.
+    #[serde(default = "one_copy", skip_serializing_if = "is_one_copy")]
+    pub copies: [u32; 2],
+    /// Factor by which the contrast was stretched before the analysis. The library has the colours of the exemplar.
+    /// Default 1.
+    #[serde(default = "not_stretched", skip_serializing_if = "is_not_stretched")]
+    #[cfg_attr(feature = "schema", schemars(transform = AnalyzeParams::CONTRAST.limits()))]
+    pub contrast: f64,
     /// SHA-256 of the exemplar's file, in hexadecimal.
     pub sha256: String,
     /// Name of the segmenter that made the masks, such as `regions`.
@@ -128,6 +141,22 @@ fn same_scale() -> [f64; 2] {
 
 fn is_same_scale(scale: &[f64; 2]) -> bool {
     *scale == same_scale()
+}
+
+fn one_copy() -> [u32; 2] {
+    [1; 2]
+}
+
+fn is_one_copy(copies: &[u32; 2]) -> bool {
+    *copies == one_copy()
+}
+
+fn not_stretched() -> f64 {
+    1.0
+}
+
+fn is_not_stretched(contrast: &f64) -> bool {
+    *contrast == not_stretched()
 }
 
 /// An element of the exemplar: a texton of a photograph.

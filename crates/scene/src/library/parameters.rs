@@ -1,6 +1,7 @@
 //! Parameters of analysis, as stored in the library.
 
 use super::categories::Categories;
+use super::contrast::Contrast;
 use super::{layer_count, pixel_limit};
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
@@ -76,6 +77,10 @@ pub struct AnalyzeParams {
     #[serde(with = "pixel_limit")]
     #[cfg_attr(feature = "schema", schemars(schema_with = "pixel_limit::schema"))]
     pub max_pixels: u32,
+    /// Factor by which the contrast of a photograph is stretched before it is analysed; its colours come back
+    /// afterwards. Default auto, which is not stored.
+    #[serde(skip_serializing_if = "Contrast::is_default")]
+    pub contrast: Contrast,
     /// Whether the exemplar tiles, that is, its opposite borders join. The parts of an element that a border
     /// cuts are then one element. Default false; `vtex::analyze::borders_join` tests it.
     pub wrap: bool,
@@ -196,6 +201,7 @@ impl AnalyzeParams {
     pub const CELLS: Parameter<u32> = Parameter::new("cells", [0, 4], "").or(0);
     pub const MAX_PIXELS: Parameter<u32> =
         Parameter::new("max-pixels", [4096, 4_000_000_000], "pixels").or(1_200_000);
+    pub const CONTRAST: Parameter<f64> = Parameter::new("contrast", [1.0, 10.0], "");
     pub const LAYERS: Parameter<u32> = Parameter::new("layers", [1, 6], "");
 }
 
@@ -221,6 +227,7 @@ impl Default for AnalyzeParams {
             max_paths: Self::MAX_PATHS.default(),
             cells: Self::CELLS.default(),
             max_pixels: Self::MAX_PIXELS.default(),
+            contrast: Contrast::Auto,
             wrap: false,
             layers: 0,
             layer_order: Vec::new(),
@@ -256,6 +263,9 @@ impl AnalyzeParams {
         Self::CELLS.check(self.cells)?;
         if self.max_pixels > 0 {
             Self::MAX_PIXELS.check(self.max_pixels)?;
+        }
+        if let Contrast::Gain(gain) = self.contrast {
+            Self::CONTRAST.check(gain)?;
         }
         if self.layers > 0 {
             Self::LAYERS.check(self.layers)?;

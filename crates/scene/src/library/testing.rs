@@ -93,6 +93,8 @@ pub fn library(map: &LabelMap) -> Library {
             width: w,
             height: h,
             scale: [1.0; 2],
+            copies: [1; 2],
+            contrast: 1.0,
             sha256: "0".repeat(64),
             segmenter: "test".into(),
             parameters: AnalyzeParams::default(),

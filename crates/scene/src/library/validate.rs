@@ -1,6 +1,6 @@
 //! Validation of libraries.
 
-use super::{LARGEST_SIDE, Library, Role};
+use super::{AnalyzeParams, LARGEST_SIDE, Library, Role};
 use crate::scene::{check_layer, check_spacing};
 use std::collections::BTreeSet;
 use vtex_base::document::is_category_name;
@@ -14,6 +14,17 @@ pub(super) fn validate(l: &Library) -> Result<(), String> {
     let (w, h) = (l.source.width, l.source.height);
     if w == 0 || h == 0 || w > LARGEST_SIDE || h > LARGEST_SIDE {
         return Err(format!("source size {w} x {h} is not within 1 to {LARGEST_SIDE}"));
+    }
+    if !AnalyzeParams::CONTRAST.allows(l.source.contrast) {
+        return Err(format!(
+            "source.contrast = {} is not within {}",
+            l.source.contrast,
+            AnalyzeParams::CONTRAST
+        ));
+    }
+    let copies = l.source.copies;
+    if copies.iter().zip([w, h]).any(|(count, side)| !(1..=side).contains(count)) {
+        return Err(format!("source.copies = {copies:?} do not fit the exemplar"));
     }
     let [wide, high] = [l.arrangement.width, l.arrangement.height];
     let maps = [(w, wide, l.source.scale[0]), (h, high, l.source.scale[1])];

@@ -111,6 +111,8 @@ impl TryFrom<LibraryVersion1> for Library {
                 width: s.width,
                 height: s.height,
                 scale: [1.0; 2],
+                copies: [1; 2],
+                contrast: 1.0,
                 sha256: s.sha256,
                 segmenter: s.segmenter,
                 parameters: s.parameters,

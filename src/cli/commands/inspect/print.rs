@@ -6,7 +6,9 @@ use crate::cli::failure::label;
 use crate::cli::foreign::escaped;
 use crate::cli::input::{Input, InputKind};
 use crate::cli::output;
-use crate::cli::summary::{ElementCounts, MotifCount, bytes as show_bytes, lattice_measures, lattice_text};
+use crate::cli::summary::{
+    ElementCounts, MotifCount, PhotographPreparation, bytes as show_bytes, lattice_measures, lattice_text,
+};
 use anstyle::{AnsiColor, RgbColor, Style};
 use serde::Serialize;
 use vtex::library::{AnalyzeParams, Lattice, Library};
@@ -35,6 +37,9 @@ struct Inspection {
     seed: Option<u64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     tile: Option<Tile>,
+    /// What was done to a photograph before it was analysed.
+    #[serde(flatten)]
+    prepared: PhotographPreparation,
     /// Rows or lattice of an exemplar.
     #[serde(skip_serializing_if = "Option::is_none")]
     lattice: Option<Lattice>,
@@ -168,6 +173,7 @@ fn of_library(library: &Library, file: String, bytes: u64) -> Inspection {
         segmenter: Some(source.segmenter.clone()),
         seed: Some(source.parameters.seed),
         tile: None,
+        prepared: PhotographPreparation::of_library(library),
         lattice: library.lattice.clone(),
         motifs: MotifCount::of_library(library),
         layers: library
@@ -227,6 +233,7 @@ fn of_scene(scene: &Scene, file: String, bytes: u64) -> Inspection {
         segmenter: None,
         seed: scene.parameters.as_ref().map(|p| p.seed),
         tile: Some(scene.tile),
+        prepared: PhotographPreparation::default(),
         lattice: None,
         motifs: Vec::new(),
         layers: scene
@@ -303,6 +310,9 @@ impl Inspection {
             Some(Tile { x: true, .. }) => line("tiles", "left to right".into()),
             Some(Tile { y: true, .. }) => line("tiles", "top to bottom".into()),
             _ => {}
+        }
+        for (k, words) in self.prepared.in_words().enumerate() {
+            line(if k == 0 { "prepared" } else { "" }, words);
         }
         if let Some(lattice) = &self.lattice {
             line("regular", lattice_text(lattice));

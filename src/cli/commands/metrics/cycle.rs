@@ -42,6 +42,7 @@ pub(super) fn run(
     analysis.parameters.wrap = scene.tile.both();
     let exemplar = Exemplar {
         image: png::over_white(&picture),
+        copies: [1; 2],
         file: analysis.input.name(),
         sha256: known.source.sha256.clone(),
         layers: None,

@@ -51,6 +51,7 @@ const OPTIONS: [(&str, Stage, &[&str]); 5] = [
             "colors",
             "max-paths",
             "layers",
+            "contrast",
             "wrap",
             "elements",
             "group",

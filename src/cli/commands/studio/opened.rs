@@ -42,7 +42,7 @@ impl Opened {
         let kind = InputKind::expect(&bytes, &input, &wanted)?;
         let (size, picture) = match kind {
             InputKind::Image => {
-                let image = Exemplar::from_bytes(&bytes, &input.name(), &Limits::default())?.image;
+                let image = Exemplar::tile_from_bytes(&bytes, &input.name(), &Limits::default())?.image;
                 let size = [image.width(), image.height()];
                 let share = f64::from(SHOWN) / f64::from(size[0].max(size[1]));
                 let mut drawn = Vec::new();
