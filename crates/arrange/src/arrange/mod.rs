@@ -26,6 +26,7 @@ pub(crate) mod region;
 pub(crate) mod sites;
 #[cfg(test)]
 mod tests;
+pub(crate) mod turned;
 pub(crate) mod variation;
 
 use choice::MemberWeights;
@@ -167,6 +168,9 @@ pub(crate) fn arrange<'a>(
     let covered_before = (0..model.members.len()).map(|c| cells.covered_by(c)).collect();
     let correction = density::correct(&mut cells, &mut choice, params, progress)?;
     progress.picture("placed", &|| picture::placed(&cells));
+    if let Some(correspondence) = &mut correspondence {
+        correspondence.take_ground(libraries, &cells, params.seed);
+    }
     let placed = placed(&cells, &fixed);
     Ok(PlacementResult { placed, cells, correspondence, structure, descriptors, correction, covered_before })
 }

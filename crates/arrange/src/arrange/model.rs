@@ -6,6 +6,7 @@
 //! is first needed; its descriptor is the exemplar's arrangement under the same map. Elements and categories
 //! have numbers that are unique over all libraries.
 
+use super::turned::{self, Turned};
 use super::variation::Variation;
 use std::ops::{Index, Range};
 use std::sync::OnceLock;
@@ -104,6 +105,8 @@ pub(crate) struct PlacementModel {
     pub(crate) wanted: Vec<f64>,
     /// The variations; the first leaves elements as they are.
     pub(crate) variations: Vec<Variation>,
+    /// How the exemplar is turned by default.
+    pub(crate) turned: Option<Turned>,
     /// The fused elements as they are drawn.
     pub(crate) fused: Vec<Element>,
     /// The maps of primaries that have one of their own.
@@ -188,7 +191,8 @@ impl ArrangementRuns {
 impl PlacementModel {
     /// The model of libraries, for the canvas and the variations of the parameters.
     pub(crate) fn new(libraries: &[Library], params: &SynthParams) -> Self {
-        let variations = Variation::all(params);
+        let turned = if params.rotate.is_none() { turned::by_default(libraries) } else { None };
+        let variations = Variation::all(params, turned);
         let mut model = Self {
             sources: Vec::new(),
             elements: Vec::new(),
@@ -197,6 +201,7 @@ impl PlacementModel {
             reach: 0,
             wanted: Vec::new(),
             variations,
+            turned,
             fused: Vec::new(),
             maps: Vec::new(),
             shapes: Vec::new(),

@@ -1,5 +1,6 @@
 //! Random variations of textons: rotation, reflection and scaling within the ranges of the parameters.
 
+use super::turned::Turned;
 use vtex_base::raster::{Mask, Span};
 use vtex_base::sampling::stream;
 use vtex_scene::scene::SynthParams;
@@ -26,23 +27,25 @@ impl Default for Variation {
 }
 
 impl Variation {
-    /// The variations that the parameters allow; the first is the identity. Angles are spread evenly, every
-    /// second variation is mirrored.
-    pub(crate) fn all(params: &SynthParams) -> Vec<Self> {
-        if params.rotate == 0.0 && params.scale_jitter == 0.0 {
+    /// The variations that the parameters allow, and how exemplars are turned by default; the first is the identity.
+    /// Angles are spread evenly, every second variation is mirrored.
+    pub(crate) fn all(params: &SynthParams, turned: Option<Turned>) -> Vec<Self> {
+        let angle = params.rotate.or(turned.map(Turned::angle)).unwrap_or(0.0);
+        let mirror = params.mirror || turned.is_some();
+        if angle == 0.0 && params.scale_jitter == 0.0 {
             let mirrored = Self::new(0.0, true, 1.0);
-            return if params.mirror { vec![NONE, mirrored] } else { vec![NONE] };
+            return if mirror { vec![NONE, mirrored] } else { vec![NONE] };
         }
         let mut random = stream(params.seed, "synth/variations", 0);
         let jitter = params.scale_jitter / 100.0;
         let one = |k: usize| {
             // Two variants, one of them mirrored, for each angle.
-            let (step, pairs) = if params.mirror { (k / 2, COUNT / 2) } else { (k, COUNT) };
+            let (step, pairs) = if mirror { (k / 2, COUNT / 2) } else { (k, COUNT) };
             let share = (step as f64 + random.unit()) / pairs as f64;
-            let angle = (2.0 * share - 1.0) * params.rotate;
+            let turn = (2.0 * share - 1.0) * angle;
             // Reductions and enlargements by the same factor are equally likely.
             let scale = libm::exp(random.range(-1.0, 1.0) * libm::log(1.0 + jitter));
-            Self::new(angle.to_radians(), params.mirror && k % 2 == 1, scale)
+            Self::new(turn.to_radians(), mirror && k % 2 == 1, scale)
         };
         std::iter::once(NONE).chain((1..COUNT).map(one)).collect()
     }
@@ -54,6 +57,8 @@ impl Variation {
     }
 
     fn of(matrix: [f64; 4]) -> Self {
+        // Adding 0 makes 0 of -0, which documents do not keep.
+        let matrix = matrix.map(|v| v + 0.0);
         let [a, b, c, d] = matrix;
         let det = a * d - b * c;
         let scale = libm::sqrt(det.abs());
@@ -124,15 +129,15 @@ mod tests {
     use super::*;
 
     fn params(rotate: f64, mirror: bool, scale_jitter: f64) -> SynthParams {
-        SynthParams { rotate, mirror, scale_jitter, ..SynthParams::default() }
+        SynthParams { rotate: Some(rotate), mirror, scale_jitter, ..SynthParams::default() }
     }
 
     #[test]
     fn within_what_is_allowed() {
-        assert_eq!(Variation::all(&params(0.0, false, 0.0)), [NONE]);
-        assert_eq!(Variation::all(&params(0.0, true, 0.0))[1].matrix, [-1.0, -0.0, -0.0, 1.0]);
+        assert_eq!(Variation::all(&params(0.0, false, 0.0), None), [NONE]);
+        assert_eq!(Variation::all(&params(0.0, true, 0.0), None)[1].matrix, [-1.0, -0.0, -0.0, 1.0]);
         for (rotate, mirror, jitter) in [(30.0, false, 0.0), (180.0, true, 20.0), (0.0, true, 50.0)] {
-            let all = Variation::all(&params(rotate, mirror, jitter));
+            let all = Variation::all(&params(rotate, mirror, jitter), None);
             assert!(all[0].is_none() && all.len() == COUNT);
             let (mut left, mut right, mut mirrored) = (false, false, 0);
             for v in &all {
@@ -156,7 +161,7 @@ mod tests {
         let bar = Mask::from_spans((-3..3).map(|y| Span { y, x0: -20, x1: 30 }).collect());
         let quarter = Variation::new(std::f64::consts::FRAC_PI_2, false, 1.0);
         assert_eq!(quarter.of_mask(&bar).bounds(), Some((-3, -20, 3, 30)));
-        for v in Variation::all(&params(180.0, true, 30.0)) {
+        for v in Variation::all(&params(180.0, true, 30.0), None) {
             let varied = v.of_mask(&bar);
             let wanted = f64::from(bar.area()) * v.scale * v.scale;
             assert!((f64::from(varied.area()) / wanted - 1.0).abs() < 0.06, "{} {wanted}", varied.area());

@@ -45,11 +45,11 @@ pub(crate) mod testing;
 #[cfg(test)]
 mod tests;
 mod units;
-mod vacated;
 
 pub use crate::arrange::context::DrawnContext;
 pub use crate::arrange::controls::{Controls, StructureGuide};
 pub use crate::arrange::correspondence::Structure;
+pub use crate::arrange::turned::Turned;
 pub use canvas::CanvasSize;
 pub use cost::Cost;
 pub use report::{CategoryReport, ClusterReport, CurveReport, SynthReport};

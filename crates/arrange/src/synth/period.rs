@@ -20,8 +20,7 @@ pub(super) fn applies(libraries: &[Library], params: &SynthParams, controls: &Co
         && library.secondaries().is_empty()
         && !library.is_layered();
     let clips = controls.domain.is_none() || params.edge == Edge::Clip;
-    let varied = params.rotate > 0.0 || params.mirror || params.scale_jitter > 0.0;
-    drawn && clips && !varied && controls.density.is_none() && controls.structure.is_none()
+    drawn && clips && !params.varies() && controls.density.is_none() && controls.structure.is_none()
 }
 
 /// A texture that repeats the exemplar's period, and its report.

@@ -10,7 +10,6 @@
 //! Works badly where secondaries form structures larger than a cell, because these are cut.
 
 use super::neighbourhoods::ExemplarSecondaries;
-use super::vacated::VacatedGround;
 use crate::arrange::correspondence::{CopiedSecondary, Correspondence};
 use crate::arrange::occupancy::Occupancy;
 use crate::arrange::sites::{Sites, scattered};
@@ -73,13 +72,7 @@ pub(crate) fn place(
     if params.without(Ablation::Secondary) {
         return Vec::new();
     }
-    let mut came = correspondence.map_or_else(Vec::new, |c| copied(libraries, map, c, params.seed));
-    let vacated =
-        correspondence.map(|c| VacatedGround::new(libraries, map, c)).filter(|ground| !ground.is_empty());
-    if let Some(ground) = vacated {
-        came.extend(on_vacated_ground(libraries, map, field, &ground, params));
-        came.sort_by_key(|p| p.painting_key(libraries));
-    }
+    let came = correspondence.map_or_else(Vec::new, |c| copied(libraries, map, c, params.seed));
     if map.region.all_carried() {
         return came;
     }
@@ -131,28 +124,6 @@ fn copied(
     }
     placed.sort_by_key(|p| p.painting_key(libraries));
     placed
-}
-
-/// Secondaries for the ground that primaries have left, from neighbourhoods like those of a canvas without a field.
-fn on_vacated_ground(
-    libraries: &[Library],
-    map: &Occupancy<'_>,
-    field: &Interpolant,
-    ground: &VacatedGround,
-    params: &SynthParams,
-) -> Vec<PlacedSecondary> {
-    let mut placed = Vec::new();
-    for (number, library) in libraries.iter().enumerate() {
-        let Some(radius) = radius(library) else { continue };
-        let task = SecondaryTask { number, library, map, radius, params };
-        let samples: Vec<Vec<[f64; 2]>> = library.secondaries().iter().map(samples).collect();
-        let mut places = task.neighbourhoods(|site, reach| ground.is_near(site, reach, number));
-        places.retain(|p| {
-            ground.holds(p.at, number) && visible(map, &samples[p.secondary as usize], p) >= LEAST_VISIBLE
-        });
-        placed.extend(places.into_iter().map(|place| task.placed(place)));
-    }
-    painted(libraries, placed, field, params)
 }
 
 /// Whether a place of the canvas is covered by the correspondence field.
@@ -263,16 +234,15 @@ impl SecondaryTask<'_, '_> {
         };
         let mut places = Vec::new();
         if !self.params.without(Ablation::Neighbourhoods) {
-            places = self.neighbourhoods(|_, _| true);
+            places = self.neighbourhoods();
             places.retain(&fits);
         }
         self.fill_gaps(&mut places, fits);
         places
     }
 
-    /// All secondaries of the chosen neighbourhoods. `is_wanted` tells whether a site is, by the reach of its
-    /// neighbourhood in pixels.
-    fn neighbourhoods(&self, is_wanted: impl Fn([i32; 2], i32) -> bool) -> Vec<SecondaryPlace> {
+    /// All secondaries of the chosen neighbourhoods.
+    fn neighbourhoods(&self) -> Vec<SecondaryPlace> {
         let (map, seed) = (self.map, self.params.seed);
         let reach = CELL * self.radius;
         // Each library has its own stream, so its draws do not depend on the others.
@@ -280,9 +250,7 @@ impl SecondaryTask<'_, '_> {
         // Cells just outside the canvas reach into it.
         let sites = scattered(&map.grid, reach, reach, &mut stream(seed, "synth/secondaries", item(0)));
         let exemplar = ExemplarSecondaries::new(self.library, reach);
-        let farthest = libm::ceil(2.0 * reach) as i32;
-        let indices: Vec<usize> =
-            (0..sites.centres().len()).filter(|&i| is_wanted(sites.centres()[i], farthest)).collect();
+        let indices: Vec<usize> = (0..sites.centres().len()).collect();
         let cells = parallel::map(&indices, |&i| {
             let mut random = stream(seed, "synth/neighbourhood", item(i));
             let cell = sites.cell(i);

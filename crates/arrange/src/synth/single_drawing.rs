@@ -15,8 +15,7 @@ pub(super) fn single_drawing<'a>(
     if library.source.kind != SourceKind::Drawing || library.is_layered() {
         return Err("for a drawing");
     }
-    let varied = params.rotate > 0.0 || params.mirror || params.scale_jitter > 0.0;
-    if varied || controls.structure.is_some() {
+    if params.varies() || controls.structure.is_some() {
         return Err("without turned, mirrored or resized elements, and without a guide");
     }
     if controls.context.is_some() && params.tile.any() {

@@ -542,7 +542,7 @@ mod carried {
     #[test]
     fn islands_turn_and_wrap_with_their_exemplar() {
         let mut library = guided(&mosaic(200, 15.0, 0.6, 8));
-        let turned = SynthParams { rotate: 180.0, mirror: true, ..params(260, 240, 1) };
+        let turned = SynthParams { rotate: Some(180.0), mirror: true, ..params(260, 240, 1) };
         let (scene, report) = run(&library, &turned);
         assert_eq!(scene.validate(), Ok(()));
         assert!((report.coverage - library.coverage).abs() < 0.05, "{}", report.coverage);

@@ -2,20 +2,19 @@
 
 use super::Bend;
 use crate::arrange::model::{PlaceableId, PlacementModel, VariantId};
-use std::borrow::Cow;
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::VecDeque;
 use vtex_base::error::{Error, Result};
 use vtex_base::geometry::{Affine, Outline, PathEl, Point, STEP, Vec2};
 use vtex_base::raster::{ControlMap, edge_neighbours};
 use vtex_scene::library::{self, Library};
 use vtex_scene::reconstruct::translated;
-use vtex_scene::scene::{Element, ElementId, Instance, Role, Scene, pixels};
+use vtex_scene::scene::{Element, Instance, Role, Scene, pixels};
 
 /// Longer side of the map of library shares, in its own pixels.
 const PARTS_SIDE: u32 = 256;
 
-/// The libraries in the scene's order, and the scene with a source for each of its elements.
-pub(super) fn matched(scene: &Scene, libraries: Vec<Library>) -> Result<(Vec<Library>, Cow<'_, Scene>)> {
+/// The libraries in the scene's order.
+pub(super) fn matched(scene: &Scene, libraries: Vec<Library>) -> Result<Vec<Library>> {
     let fail = |name: &str, reason: String| Error::OtherLibrary { name: name.into(), reason };
     let mut left: Vec<Option<Library>> = libraries.into_iter().map(Some).collect();
     let mut found = Vec::with_capacity(scene.libraries.len());
@@ -29,7 +28,6 @@ pub(super) fn matched(scene: &Scene, libraries: Vec<Library>) -> Result<(Vec<Lib
     if let Some(foreign) = left.into_iter().flatten().next() {
         return Err(fail(&foreign.source.file, "the scene was made without it".into()));
     }
-    let scene = with_sources(scene, &found);
     // The same photograph may since have been analysed differently.
     let strange =
         |library: &Library| fail(&library.source.file, "its elements are not those of the scene".into());
@@ -46,7 +44,7 @@ pub(super) fn matched(scene: &Scene, libraries: Vec<Library>) -> Result<(Vec<Lib
             return Err(strange(library));
         }
     }
-    Ok((found, scene))
+    Ok(found)
 }
 
 /// Whether an element of a scene has the outline of an element of its library. Outlines are compared in
@@ -81,27 +79,6 @@ impl Rounding {
             _ => false,
         }
     }
-}
-
-/// The scene with the sources of its small elements, which scenes of version 1 do not name. They are found
-/// by shape in their library.
-fn with_sources<'a>(scene: &'a Scene, libraries: &[Library]) -> Cow<'a, Scene> {
-    if scene.elements.iter().all(|e| e.source.is_some()) {
-        return Cow::Borrowed(scene);
-    }
-    let shapes = libraries.iter().map(|library| {
-        let number = |(i, e): (usize, &library::ExemplarElement)| {
-            (translated(e.outline(), e.origin()).to_string(), library.secondary_id(i as u32))
-        };
-        library.secondaries().iter().enumerate().map(number).collect()
-    });
-    let shapes: Vec<BTreeMap<String, ElementId>> = shapes.collect();
-    let mut scene = scene.clone();
-    for element in scene.elements.iter_mut().filter(|e| e.source.is_none()) {
-        let known = shapes.get(element.library.index());
-        element.source = known.and_then(|shapes| shapes.get(&element.outline().to_string()).copied());
-    }
-    Cow::Owned(scene)
 }
 
 /// The variant of a primary of the scene, in the nearest variation of the model.

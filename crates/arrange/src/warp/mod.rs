@@ -63,8 +63,7 @@ pub fn warp(
     let params = SynthParams { width, height, page, seed, edge, tile: Tile::default(), ..before.clone() };
     params.validate()?;
     check_canvas(&params)?;
-    let (libraries, scene) = carried::matched(scene, libraries)?;
-    let scene = &*scene;
+    let libraries = carried::matched(scene, libraries)?;
     // A scene is bent pixel by pixel.
     let libraries: Vec<Library> = libraries.iter().map(|l| l.at_scale([1.0; 2]).into_owned()).collect();
     let shares = if libraries.len() > 1 { carried::parts(scene, bend, libraries.len()) } else { Vec::new() };

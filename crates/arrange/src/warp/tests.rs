@@ -92,7 +92,7 @@ fn density_stays_when_the_canvas_grows_or_shrinks() {
 
 #[test]
 fn a_cage_is_filled_and_nothing_else() {
-    let params = SynthParams { rotate: 40.0, mirror: true, scale_jitter: 20.0, ..plain() };
+    let params = SynthParams { rotate: Some(40.0), mirror: true, scale_jitter: 20.0, ..plain() };
     let (before, _) = scene(params);
     let (square, blob) = (path("M0 0H260V200H0z"), path("M60 20L300 0L250 240L150 150L20 220z"));
     let error = Bend::cage(square.clone(), blob.clone(), [320, 250]).unwrap_err();

@@ -9,7 +9,7 @@ use crate::arrange::variation::Variation;
 use vtex_base::raster::Mask;
 
 /// Least and greatest stretch along an axis.
-const STRETCH: [f64; 2] = [0.88, 1.14];
+pub(super) const STRETCH: [f64; 2] = [0.88, 1.14];
 
 /// Coefficients of a symmetric matrix: xx, xy, yy.
 type Symmetric = [f64; 3];
@@ -49,6 +49,12 @@ impl Moments {
             b * b * xx + 2.0 * b * d * xy + d * d * yy,
         ];
         Self { middle: variation.of_point(self.middle), covariance }
+    }
+
+    /// The variance along a direction of length 1.
+    pub(super) fn variance(&self, [x, y]: [f64; 2]) -> f64 {
+        let [xx, xy, yy] = self.covariance;
+        x * x * xx + 2.0 * x * y * xy + y * y * yy
     }
 
     /// How many times as long as wide the pixels lie, at least 1.

@@ -19,8 +19,10 @@
 //!
 //! Coverage follows from the field. It is corrected only where a map asks for another density.
 
+mod courses;
 mod cover;
 mod fused;
+mod ground;
 mod instances;
 mod joints;
 mod likeness;
@@ -30,12 +32,15 @@ mod resolve;
 mod secondaries;
 mod shares;
 mod similar;
+mod streaks;
 mod structure_classes;
 
 use super::PlacementContext;
 use super::grid::{CellRun, Grid};
 use super::model::{Content, PlacementModel, VariantId};
 use super::region::PlacementRegion;
+use super::turned::Turned;
+use courses::Courses;
 use cover::Cover;
 use image::{Rgb, RgbImage};
 use instances::Kinds;
@@ -44,6 +49,7 @@ use resolve::{Mapped, Resolution, Resolver};
 pub(crate) use secondaries::CopiedSecondary;
 use serde::Serialize;
 use similar::Substitutes;
+use streaks::Streaks;
 use structure_classes::StructureClasses;
 use vtex_base::error::{Error, Result};
 use vtex_base::parallel;
@@ -69,6 +75,9 @@ const MOST_MOVED: f64 = 2.0;
 /// Primaries carried along a correspondence field. Shares are of the canvas.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Structure {
+    /// How the exemplar was turned because few of its elements are whole; `None` if it was not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub turned: Option<Turned>,
     /// Number of islands.
     pub islands: usize,
     /// Share on which primaries are wanted.
@@ -130,9 +139,15 @@ impl Correspondence {
             Some(field) if groups.is_none() => field,
             _ => {
                 let active = shares::active(context, size, place);
-                let pages = &pages.pages;
+                let (found, pages) = (&pages, &pages.pages);
                 let request = CanvasRequest { pages, size, wrap, groups, active, seed: params.seed };
-                find_again(&request, context.memory, progress)?
+                let mut field = find_again(&request, context.memory, progress)?;
+                if let (None, [Some((lattice, phases))]) = (&request.groups, &lattices[..])
+                    && let Some(streaks) = Streaks::find(&found.labels[0], lattice)
+                {
+                    streaks.run_on(&mut field, found, (lattice, phases), margin);
+                }
+                field
             }
         };
         let this = Self { pages, field, lattices, margin };
@@ -179,8 +194,11 @@ impl Correspondence {
         let outcomes = parallel::map(&instances, |instance| resolver.resolve(instance, allowed));
         step(3)?;
         let packed: Vec<bool> = (0..libraries.len()).map(|library| resolver.is_packed(library)).collect();
-        let mut structure =
-            Structure { islands: Islands::new(&self.field).sizes.len(), ..Structure::default() };
+        let mut structure = Structure {
+            turned: model.turned,
+            islands: Islands::new(&self.field).sizes.len(),
+            ..Structure::default()
+        };
         let mut elements = Vec::with_capacity(instances.len());
         for (instance, outcome) in instances.iter().zip(outcomes) {
             let standing = match outcome {
@@ -207,10 +225,16 @@ impl Correspondence {
             };
             let library = model.element(instance.main().variant).library;
             for (variant, at) in standing {
-                cover.take(&model.shape(variant).mask, at);
                 elements.push((variant, self.on_lattice(model, grid, packed[library], (variant, at))));
             }
         }
+        for library in (0..packed.len()).filter(|&library| packed[library]) {
+            let rows = self.lattices[library].as_ref();
+            if let Some(courses) = rows.and_then(|rows| Courses::find(model, library, rows)) {
+                courses.lay(&mut elements, model, grid, [params.tile.x, params.tile.y]);
+            }
+        }
+        elements.iter().for_each(|&(variant, at)| cover.take(&model.shape(variant).mask, at));
         (structure.wanted, structure.empty, structure.unwanted) = cover.shares();
         if self.lattices.iter().any(Option::is_some) && model.variations.len() > 1 {
             vary(&mut elements, &self.lattices, model, params.seed);
@@ -347,12 +371,7 @@ fn vary(
 /// [`Error::Periods`] if a canvas that repeats has no room for whole periods.
 fn lattices(libraries: &[Library], params: &SynthParams) -> Result<Vec<Option<(Lattice, Phases)>>> {
     let of = |library: &Library| {
-        let lattice = match &params.lattice {
-            LatticeChoice::Auto => library.lattice.clone().filter(Lattice::is_kept),
-            LatticeChoice::Off => None,
-            LatticeChoice::Vectors(vectors) => Some(Lattice::new(vectors)?),
-        };
-        let Some(lattice) = lattice else { return Ok(None) };
+        let Some(lattice) = params.lattice.of(library.lattice.as_ref())? else { return Ok(None) };
         let tile = [params.tile.x, params.tile.y];
         let phases = lattice.phases_of_tile([params.width, params.height], tile)?;
         Ok(Some((lattice, phases)))

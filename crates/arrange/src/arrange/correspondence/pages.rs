@@ -90,7 +90,7 @@ impl PixelMap {
     }
 
     /// Whether the page is the exemplar as it is: neither varied nor continued.
-    fn is_exemplar(&self) -> bool {
+    pub(super) fn is_exemplar(&self) -> bool {
         self.variation == 0 && !self.wrap
     }
 
@@ -385,7 +385,7 @@ fn middles(library: &Library, map: &LabelMap) -> Vec<Option<Middle>> {
 
 /// For each pixel its distance to the nearest border of a primary as a share of `farthest`: positive
 /// within primaries, negative on the region.
-fn border_distances(map: &LabelMap, farthest: f32) -> Vec<f32> {
+pub(super) fn border_distances(map: &LabelMap, farthest: f32) -> Vec<f32> {
     let (w, h) = (map.width as usize, map.height as usize);
     let is_border = |i: usize| {
         (!i.is_multiple_of(w) && map.labels[i] != map.labels[i - 1])

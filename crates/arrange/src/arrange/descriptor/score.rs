@@ -181,7 +181,7 @@ mod tests {
                 width: 70,
                 height: 60,
                 tile,
-                rotate,
+                rotate: Some(rotate),
                 edge: Edge::Clip,
                 ..SynthParams::default()
             };
