@@ -15,6 +15,7 @@ mod grid;
 mod ground;
 mod joining;
 mod kinds;
+mod light;
 mod margin;
 mod memory;
 mod moments;
@@ -44,6 +45,7 @@ pub use vtex_scene::library::AnalyzeParams;
 
 use grid::Cells;
 use image::RgbImage;
+use light::Light;
 use memory::{ElementsMemory, KnownParts, LatticeMemory, LayersMemory};
 use partition::{Elements, Partition};
 use rate_distortion::RateDistortion;
@@ -68,8 +70,9 @@ use vtex_segment::segment::{GivenCategory, Segmenter, details};
 /// threads.
 ///
 /// A photograph of more than `max_pixels` is reduced first. Its library has the units of the photograph all the
-/// same, and says by how much it was reduced ([`Source::scale`]). The contrast of a subtle picture is stretched; the
-/// library has its own colours all the same ([`Source::contrast`]). A small tile that was repeated is enlarged. It wraps,
+/// same, and says by how much it was reduced ([`Source::scale`]). Where light falls off slowly over it, the light
+/// is taken out ([`Source::light`]). The contrast of a subtle picture is stretched; the library has its own colours all the
+/// same ([`Source::contrast`]). A small tile that was repeated is enlarged. It wraps,
 /// and its lattice is its size ([`Source::copies`]).
 ///
 /// An exemplar without primaries is no error. Its library holds the background, secondaries and a
@@ -133,6 +136,10 @@ fn analyzed(
     let repeated = exemplar.copies != [1; 2];
     let params = &AnalyzeParams { wrap: params.wrap || repeated, ..params.clone() };
     let mut reduced = reduced::reduced(exemplar, segmenter, params, progress)?;
+    let light = if repeated { None } else { Light::of(&reduced.image, params.even_light) };
+    if let Some(light) = &light {
+        reduced.to_mut().image = light.taken_out(&reduced.image);
+    }
     let stretch = contrast::stretch(&reduced.image, repeated, params);
     if let Some(stretch) = &stretch {
         reduced.to_mut().image = contrast::stretched(&reduced.image, stretch);
@@ -147,6 +154,7 @@ fn analyzed(
     if let Some(stretch) = stretch {
         library = contrast::undone(library, &stretch);
     }
+    library.source.light = light.map(|light| light.ratio);
     if reduced.image.dimensions() == (width, height) {
         return Ok(library);
     }
@@ -322,6 +330,7 @@ fn source(exemplar: &Exemplar, segmenter: &dyn Segmenter, params: &AnalyzeParams
         scale: [1.0; 2],
         copies: exemplar.copies,
         contrast: 1.0,
+        light: None,
         sha256: exemplar.sha256.clone(),
         segmenter: segmenter.name(),
         parameters: params.clone(),

@@ -18,6 +18,8 @@ export class View {
   texture = null;
   /** Outlines of elements, in pixels of the photograph. */
   elements = { size: [1, 1], paths: [], places: [], names: [], categories: [] };
+  /** Rows or lattice of the photograph: its vectors, the borders of its cells, and whether textures follow it. */
+  lattice = null;
   selected = new Set();
   hovered = -1;
   tool = null;
@@ -35,8 +37,8 @@ export class View {
   split = 0.5;
   cursor = null;
 
-  constructor(canvas, { onsharper, onzoom, onstroke, onpick, onsplit }) {
-    Object.assign(this, { canvas, onstroke, onpick, onzoom, onsplit });
+  constructor(canvas, { onsharper, onzoom, onstroke, onpick, onsplit, onlattice }) {
+    Object.assign(this, { canvas, onstroke, onpick, onzoom, onsplit, onlattice });
     this.context = canvas.getContext("2d");
     this.zoom = 1;
     this.x = 0;
@@ -129,7 +131,10 @@ export class View {
     else if (this.mode === "texture") this.paintTexture();
     else {
       this.paintPicture(this.mode === "redrawn" ? this.redrawn : this.photograph);
-      if (this.mode === "elements") this.paintElements();
+      if (this.mode === "elements") {
+        this.paintElements();
+        this.paintLattice();
+      }
     }
     this.paintTool();
     // What lies where, for those who look at the page from outside.
@@ -223,6 +228,42 @@ export class View {
     });
   }
 
+  /** Twice, light in dark, so that it is seen on anything. */
+  paintLattice() {
+    const { context, lattice } = this;
+    if (!lattice) return;
+    context.globalAlpha = lattice.followed ? 1 : 0.4;
+    context.lineCap = "round";
+    for (const [colour, width] of [["#000", 3.4], ["#ff5cf0", 1.7]]) {
+      Object.assign(context, { strokeStyle: colour, fillStyle: colour, lineWidth: width / this.zoom });
+      context.stroke(lattice.path);
+      for (const [from, to] of this.arrows()) {
+        context.lineWidth = 2 * width / this.zoom;
+        context.beginPath();
+        context.moveTo(...from);
+        context.lineTo(...to);
+        context.stroke();
+        context.beginPath();
+        context.arc(...to, (4 + width) / this.zoom, 0, 7);
+        context.fill();
+      }
+    }
+    context.globalAlpha = 1;
+  }
+
+  /** The vectors of the lattice, as arrows from the middle of the photograph. */
+  arrows() {
+    const [width, height] = this.content();
+    const from = [width / 2, height / 2];
+    return (this.lattice?.vectors ?? []).map(vector => [from, [0, 1].map(i => from[i] + vector[i])]);
+  }
+
+  /** The arrow whose head is at a place; -1 if there is none. */
+  arrowAt(place) {
+    if (this.mode !== "elements" || this.tool !== "select") return -1;
+    return this.arrows().findIndex(([, to]) => Math.hypot(to[0] - place[0], to[1] - place[1]) * this.zoom < 12);
+  }
+
   paintTool() {
     const { context, stroke } = this;
     const tool = this.draws();
@@ -281,6 +322,7 @@ export class View {
     const line = this.mode === "split" && Math.abs(place[0] - this.content()[0] * this.split) * this.zoom < 14;
     if (this.pointers.size > 1) this.action = "pinch", this.stroke = [];
     else if (line) this.action = "split";
+    else if (this.arrowAt(place) >= 0) this.action = "lattice", this.arrow = this.arrowAt(place);
     else if (event.button === 0 && !event.altKey && this.draws()) this.action = "stroke", this.stroke = [place];
     else this.action = "pan";
     this.draw();
@@ -304,7 +346,7 @@ export class View {
     if (!before) {
       this.cursor = place;
       const hovered = this.mode === "elements" && this.tool === "select" ? this.elementAt(place) : -1;
-      this.canvas.style.cursor = this.draws() ? "crosshair" : hovered >= 0 ? "pointer" : "grab";
+      this.canvas.style.cursor = this.draws() ? "crosshair" : this.arrowAt(place) >= 0 ? "move" : hovered >= 0 ? "pointer" : "grab";
       if (hovered !== this.hovered || this.draws()) { this.hovered = hovered; this.draw(); }
       return;
     }
@@ -318,6 +360,10 @@ export class View {
       this.scale(length(now) / Math.max(1, length(before)), (now[0] + other[0]) / 2 - box.left, (now[1] + other[1]) / 2 - box.top);
     } else if (this.action === "split") {
       this.onsplit(clamp(place[0] / this.content()[0], 0, 1));
+    } else if (this.action === "lattice") {
+      const from = this.arrows()[this.arrow]?.[0];
+      if (from) this.lattice.vectors[this.arrow] = [0, 1].map(i => Math.round(10 * (place[i] - from[i])) / 10);
+      this.draw();
     } else if (this.action === "stroke") {
       this.stroke.push(place);
       this.cursor = place;
@@ -332,6 +378,9 @@ export class View {
   pointerup(event) {
     if (!this.pointers.delete(event.pointerId)) return;
     if (this.action === "stroke") this.finish();
+    else if (this.action === "lattice") {
+      if (this.travelled > REACH && this.lattice) this.onlattice(this.lattice.vectors);
+    }
     else if (this.action === "pan" && this.travelled <= REACH && this.mode === "elements" && event.button === 0) {
       // Fingers have no keys: each tap selects one more, or one less.
       this.onpick(this.elementAt(this.place(event)), event.shiftKey || event.ctrlKey || event.metaKey || event.pointerType === "touch");

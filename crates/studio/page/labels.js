@@ -29,6 +29,7 @@ const LABELS = {
   "colors": "Number of colours; 0 is any",
   "max-paths": "Number of shapes; 0 is any",
   "contrast": "Stretch of contrast before the analysis: auto, off or a factor",
+  "even-light": "Take slow changes of light out of the photograph",
   "layers": "Nested layers, such as rust on paint",
   "wrap": "Whether the picture itself tiles",
   "elements": "What counts as an element of a drawing",

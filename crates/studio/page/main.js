@@ -26,6 +26,7 @@ const view = new View(find("canvas"), {
   onzoom: zoom => { find("zoom-one").textContent = `${Math.round(zoom * 100)} %`; },
   onstroke: (tool, path) => view.mode === "texture" ? paint.stroke(tool, path) : mend.stroke(tool, path),
   onpick: (index, more) => mend.pick(index, more),
+  onlattice: vectors => mend.followRows(vectors.flat().join(",")),
   onsplit: share => { view.split = share; find("split").value = share * 100; view.draw(); },
 });
 const paint = new Paint(view, { onview: setView });
@@ -63,6 +64,8 @@ function show() {
   document.title = `${work.name} – vtex studio`;
   showViews(work);
   paint.follow(work);
+  const lattice = work.analysis?.lattice;
+  view.lattice = lattice && work.kind === "photograph" ? { ...lattice, path: new Path2D(lattice.path) } : null;
   steer.show(work);
   change.show(work);
   mend.show(work);

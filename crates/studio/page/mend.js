@@ -17,9 +17,10 @@ export class Mend {
     this.view.tool = "select";
     this.tools = make("div");
     this.actions = make("div");
+    this.rows = make("div");
     this.none = make("p", { textContent: "Only the elements of a photograph can be mended: those of drawings, libraries and scenes are as they were drawn or found." });
     this.categories = new Categories(view, { onselect: () => { this.showActions(); this.view.draw(); } });
-    fill(panel, this.none, this.tools, this.actions, this.categories.panel);
+    fill(panel, this.none, this.tools, this.actions, this.rows, this.categories.panel);
     this.showTools();
   }
 
@@ -28,6 +29,7 @@ export class Mend {
     const possible = work.kind === "photograph" && work.elements;
     this.none.hidden = work.kind === "photograph";
     this.tools.hidden = this.actions.hidden = !possible;
+    this.showRows(work);
     this.showActions();
     if (!possible) this.categories.panel.hidden = true;
   }
@@ -44,6 +46,29 @@ export class Mend {
     fill(this.tools, make("h2", { textContent: "Tool" }), make("div", { className: "tools" }, ...buttons),
       make("p", { textContent: TOOLS.find(([name]) => name === tool)[2] + keys }),
       tool === "erase" ? make("div", { className: "knob" }, make("label", { for: "brush", textContent: "Radius of the brush" }), brush) : null);
+  }
+
+  /** The rows or the lattice that textures keep, which can be switched off or dragged. */
+  showRows(work) {
+    const lattice = work.kind === "photograph" ? work.analysis?.lattice : null;
+    if (!lattice) return fill(this.rows);
+    const { words, followed, found } = lattice;
+    const keep = make("input", { type: "checkbox", checked: followed, id: "keep-rows", "data-key": "keep-rows" });
+    // Found rows that are kept by default need no option.
+    const vectors = found?.kept ? null : (found?.vectors ?? lattice.vectors).flat().map(v => v.toFixed(1)).join(",");
+    keep.addEventListener("change", () => this.followRows(keep.checked ? vectors : found?.kept === false ? null : "off"));
+    const isChanged = work.options.lattice !== undefined && work.options.lattice !== "off";
+    fill(this.rows, make("h2", { textContent: "Rows" }),
+      make("div", { className: "knob" },
+        make("div", { className: "head" }, make("label", { for: "keep-rows", textContent: `Keep ${words}` }), keep,
+          make("button", { type: "button", className: "plain", textContent: "Reset", "aria-label": "Reset rows", hidden: !isChanged, "data-key": "reset-rows", onclick: () => this.followRows(null) })),
+        make("p", { className: "words", textContent: "Drag the heads of the pink arrows to change the period." })));
+  }
+
+  /** Sets the lattice that textures follow, as on the command line; null is the one found. */
+  followRows(value) {
+    this.onview("elements");
+    tell("set", { name: "lattice", value });
   }
 
   showActions() {

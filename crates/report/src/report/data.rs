@@ -68,10 +68,19 @@ struct LibraryData<'a> {
     details: usize,
     secondaries: usize,
     secondary_spacing: f64,
+    /// Rows or lattice: what they are, and the borders of their cells as path data.
+    lattice: Option<LatticeData>,
     /// With one pixel for each unit, like the elements.
     arrangement: Cow<'a, Arrangement>,
     descriptor_half: u32,
     background: BackgroundData,
+}
+
+#[derive(Serialize)]
+struct LatticeData {
+    words: String,
+    kept: bool,
+    path: String,
 }
 
 #[derive(Serialize)]
@@ -372,6 +381,11 @@ impl<'a> LibraryData<'a> {
             details: library.primaries().iter().map(|p| p.details().len()).sum(),
             secondaries: library.secondaries().len(),
             secondary_spacing: library.secondary_spacing(),
+            lattice: library.lattice.as_ref().map(|lattice| LatticeData {
+                words: lattice.in_words(),
+                kept: lattice.is_kept(),
+                path: library.path_of_cells(lattice),
+            }),
             descriptor_half: fine.descriptor_half,
             arrangement: match fine {
                 Cow::Borrowed(library) => Cow::Borrowed(&library.arrangement),

@@ -52,6 +52,7 @@ const OPTIONS: [(&str, Stage, &[&str]); 5] = [
             "max-paths",
             "layers",
             "contrast",
+            "even-light",
             "wrap",
             "elements",
             "group",

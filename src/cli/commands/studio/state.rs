@@ -8,6 +8,8 @@ use crate::cli::input::InputKind;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::sync::Arc;
+use vtex::library::Library;
+use vtex::scene::LatticeChoice;
 
 /// What the page shows and can set.
 pub(super) fn state(session: &Arc<Session>) -> Value {
@@ -79,6 +81,7 @@ fn state_of(one: &WorkSession) -> Value {
             "secondaries": library.secondaries().len(),
             "coverage": library.coverage,
             "warnings": library.source.warnings,
+            "lattice": lattice_of(library, settings.options.get("lattice").map(String::as_str)),
         })),
         "texture": one.results.shown.as_ref().map(|shown| json!({
             "number": shown.number,
@@ -94,6 +97,20 @@ fn state_of(one: &WorkSession) -> Value {
         })),
         "variants": json!({ "show": one.wants_variants, "made": one.thumbnails, "fault": one.variants_fault }),
     })
+}
+
+/// The rows or the lattice that textures follow, or that they could follow, with the borders of its cells.
+fn lattice_of(library: &Library, chosen: Option<&str>) -> Option<Value> {
+    let choice: LatticeChoice = chosen.unwrap_or_default().parse().unwrap_or_default();
+    let followed = choice.of(library.lattice.as_ref()).ok().flatten();
+    let lattice = followed.as_ref().or(library.lattice.as_ref())?;
+    Some(json!({
+        "words": lattice.in_words(),
+        "followed": followed.is_some(),
+        "found": library.lattice.as_ref().map(|found| json!({ "kept": found.is_kept(), "vectors": found.vectors })),
+        "vectors": lattice.vectors,
+        "path": library.path_of_cells(lattice),
+    }))
 }
 
 /// What is worked on.

@@ -78,6 +78,7 @@ function makeFacts() {
         row("segmenter", library.segmenter), row("seed", library.seed), row("written by", library.program),
         row("primaries", `${integer(library.primaries)}, ${integer(library.clipped)} of them cut by the border`),
         about.motifs.length > 0 ? row("motifs", integer(about.motifs.length)) : null,
+        library.lattice ? row("regular", `${library.lattice.words}${library.lattice.kept ? "" : ", in parts only"}`) : null,
         row("details", integer(library.details)),
         row("secondaries", `${integer(library.secondaries)}, ${short(library.secondary_spacing)} px apart`),
         row("coverage", percent(library.coverage))),

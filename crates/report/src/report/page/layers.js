@@ -1,7 +1,7 @@
 // Layers to switch on and off, in the reconstruction and in the result.
 
 // Hidden until they are switched on.
-const EXTRA = ["ellipses", "motifs"];
+const EXTRA = ["ellipses", "motifs", "lattice"];
 const hidden = { layers: new Set(EXTRA), categories: new Set() };
 const LAYERS = [
   ["background", "Background"],
@@ -10,6 +10,7 @@ const LAYERS = [
   ["details", "Details"],
   ["ellipses", "Ellipses"],
   ["motifs", "Motifs"],
+  ["lattice", "Rows"],
 ];
 
 // An SVG taken apart: how it begins, its definitions line by line, and its layers. Layers with names of their own, as those
@@ -58,6 +59,12 @@ function motifsText(motifs) {
   return `<g stroke-width="1">${frames.join("")}</g>`;
 }
 
+// The rows or the lattice of an exemplar.
+function latticeText(path) {
+  const drawn = (colour, width) => `<path d="${path}" stroke="${colour}" stroke-width="${width}"/>`;
+  return `<g fill="none">${drawn("#000b", 2.4)}${drawn("#ffd400", 1.2)}</g>`;
+}
+
 // One layer as an SVG of its own: with the definitions that it can need, without what is switched off.
 function layerText(pane, layer) {
   const { begin, definitions, layers } = pane.parts;
@@ -90,8 +97,8 @@ function layerText(pane, layer) {
 function redraw(key) {
   for (const pane of panes) {
     const image = pane.holder.querySelector(`[data-part="${key}"]`);
-    if (image && pane.picture) image.hidden = hidden.layers.has(key);
-    else if (pane.parts) showLayer(pane, "primary").catch(fail);
+    if (image) image.hidden = hidden.layers.has(key);
+    else if (pane.parts?.layers.primary) showLayer(pane, "primary").catch(fail);
   }
 }
 
@@ -107,7 +114,8 @@ function makeLayers() {
   const box = byId("layers");
   box.replaceChildren();
   if (!panes.some((pane) => pane.picture)) return;
-  const has = (key) => key !== "motifs" || group()?.motifs.length > 0;
+  const found = { motifs: group()?.motifs.length > 0, lattice: Boolean(group()?.library?.lattice?.path) };
+  const has = (key) => found[key] ?? true;
   const layers = LAYERS.filter(([key]) => has(key)).map(([key, name]) =>
     el("button", {
       type: "button",

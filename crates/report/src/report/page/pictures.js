@@ -9,13 +9,14 @@ function makePanes() {
   panes.length = 0;
   const about = group();
   const library = about?.library;
+  const lattice = library?.lattice?.path;
   if (about?.photo) {
     const size = library ?? { width: null, height: null };
-    addPane("Exemplar", about.file, size, { photo: about.photo });
+    addPane("Exemplar", about.file, size, { photo: about.photo, lattice });
   }
   if (library) {
     const { picture, ellipses, motifs } = about;
-    addPane("Reconstruction", library.name, library, { picture, ellipses, motifs });
+    addPane("Reconstruction", library.name, library, { picture, ellipses, motifs, lattice });
   }
   if (scene) addPane("Result", scene.name, scene, { picture: "result", ellipses: scene.ellipses });
   panes.forEach((pane) => showPicture(pane).catch(fail));
@@ -37,7 +38,7 @@ function addPane(title, file, size, source) {
   listenToWindow(pane);
 }
 
-// Puts its picture into a pane: a photograph, or an image for each layer of an SVG. As images they
+// Puts its picture into a pane: a photograph, or an image for each layer of an SVG, and what lies over it. As images they
 // are moved and stretched smoothly however much they hold, and their ids meet nobody else's.
 async function showPicture(pane) {
   if (pane.photo) {
@@ -45,12 +46,15 @@ async function showPicture(pane) {
     pane.width ??= pane.image.naturalWidth;
     pane.height ??= pane.image.naturalHeight;
     putInto(pane, pane.image, null);
+    const begin = `<svg xmlns="http://www.w3.org/2000/svg" width="${pane.width}" height="${pane.height}">`;
+    pane.parts = { begin, definitions: [], layers: {} };
   } else {
     pane.parts = partsOf(await textOf(pane.picture));
     pane.parts.layers.ellipses = ellipsesText(pane.ellipses);
     if (pane.motifs?.length > 0) pane.parts.layers.motifs = motifsText(pane.motifs);
-    await Promise.all(Object.keys(pane.parts.layers).map((layer) => showLayer(pane, layer)));
   }
+  if (pane.lattice) pane.parts.layers.lattice = latticeText(pane.lattice);
+  await Promise.all(Object.keys(pane.parts.layers).map((layer) => showLayer(pane, layer)));
   place();
 }
 
