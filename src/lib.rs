@@ -151,9 +151,10 @@ pub mod layers {
 pub mod library {
     #[doc(inline)]
     pub use vtex_scene::library::{
-        AnalyzeParams, Arrangement, Categories, Category, CategoryId, Contrast, ElementId, ExemplarElement,
-        ExemplarInstance, ExemplarLayer, Gradient, Grouping, Guide, Lattice, Library, Motif, MotifGrouping,
-        MotifPart, Picture, PictureKind, Role, Shading, Shape, Source, SourceKind, Stratum, Stretch,
+        AnalyzeParams, Arrangement, Categories, Category, CategoryId, Contrast, ElementId, EvenLight,
+        ExemplarElement, ExemplarInstance, ExemplarLayer, Gradient, Grouping, Guide, Lattice, Library, Motif,
+        MotifGrouping, MotifPart, Picture, PictureKind, Role, Shading, Shape, Source, SourceKind, Stratum,
+        Stretch,
     };
 }
 
@@ -198,7 +199,7 @@ pub mod output {
     /// SVG → pixels, any program's SVG.
     pub mod raster_svg {
         #[doc(inline)]
-        pub use vtex_output::raster_svg::render_svg;
+        pub use vtex_output::raster_svg::{render_part_of, render_svg};
     }
     /// Scene → scene whose SVG stays within a number of bytes.
     pub mod reduce {
@@ -347,7 +348,7 @@ pub mod synth {
     #[doc(inline)]
     pub use vtex_arrange::synth::{
         CanvasSize, CategoryReport, ClusterReport, Controls, Cost, CurveReport, DrawnContext, StratumReport,
-        Structure, StructureGuide, SynthReport, SynthesisMemory, layer_map, reconstruct, synthesize,
+        Structure, StructureGuide, SynthReport, SynthesisMemory, Turned, layer_map, reconstruct, synthesize,
         synthesize_again, synthesize_with,
     };
 }

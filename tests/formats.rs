@@ -293,3 +293,13 @@ fn symbols_have_titles() {
     assert_eq!(titles.iter().collect::<BTreeSet<_>>().len(), titles.len());
     assert!(titles.iter().all(|t| t.starts_with("Element ") && t.contains(", category ")), "{titles:?}");
 }
+
+#[test]
+fn versions_that_are_not_known_are_named() {
+    for version in [0, 1, 3] {
+        let text = format!(r#"{{"format":"vtex-scene","version":{version}}}"#);
+        let error = Scene::from_bytes(text.into_bytes(), "new").unwrap_err();
+        assert!(matches!(error, vtex::Error::Version { known: 2, .. }), "{error}");
+        assert!(!error.hint().unwrap().is_empty());
+    }
+}

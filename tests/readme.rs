@@ -148,6 +148,8 @@ tests! {
     layered_textures pixels pictures vectorized_photographs contents inspection masks configuration batches
     manuals
     metrics tuning
+    recipe_tile recipe_print recipe_game recipe_programs recipe_small recipe_colourways recipe_fill recipe_plotter
+    recipe_batch
     style_rules colours_of_categories colourway numbers_of_categories
 }
 

@@ -265,7 +265,7 @@ def test_parameters_have_the_names_and_defaults_of_the_schema(schema, definition
     named = {"width": "size", "height": "size", "page": "size"}
     differently = {"width", "height", "page", "weights", "tile", "wrap"}
     # Defaults that files leave out, and schemas with them.
-    unstored = {"group": "auto", "kind": "photo", "contrast": "auto", "exclude": []}
+    unstored = {"group": "auto", "kind": "photo", "contrast": "auto", "even_light": "auto", "exclude": []}
     for name, field in fields.items():
         assert named.get(name, name) in signature, name
         if name not in differently:

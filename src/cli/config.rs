@@ -310,6 +310,7 @@ impl Parameters {
                     "contrast".into(),
                     Value::try_from(self.analyze.contrast).expect("a word or a number"),
                 );
+                t.insert("even_light".into(), Value::try_from(self.analyze.even_light).expect("a word"));
                 t.insert("kind".into(), Value::try_from(self.analyze.kind).expect("a word"));
                 t
             }
@@ -419,8 +420,8 @@ mod tests {
     fn every_parameter_has_an_option() {
         assert_eq!(
             fields(AnalyzeParams::default(), &["seed"]),
-            // A kind and a contrast that are the default are not stored.
-            sorted_keys("analyze", &["segmenter", "group", "kind", "contrast"])
+            // A kind, a contrast and a light that are the default are not stored.
+            sorted_keys("analyze", &["segmenter", "group", "kind", "contrast", "even-light"])
         );
         // A variation and categories that are left out are stored only if they are given.
         let handled = ["seed", "width", "height", "weights", "variation"];

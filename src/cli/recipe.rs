@@ -11,7 +11,7 @@ use super::values::Name;
 use serde_json::Value;
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
-use vtex::library::{Contrast, Library};
+use vtex::library::{Contrast, EvenLight, Library};
 
 /// Number of bytes of an SVG that are searched for its metadata, which are at its beginning.
 const HEAD: usize = 1 << 20;
@@ -116,11 +116,14 @@ fn write(
     // Named weights are stored as numbers, because the file of that name may change.
     let parameters = Parameters { segmenter, weights: None, threads: None, ..parameters.clone() };
     let mut recipe = serde_json::to_value(parameters.table()).unwrap_or_default();
-    // Textures of ordinary photographs have the bytes of programs without this option.
-    if parameters.analyze.contrast == Contrast::Auto
-        && let Some(analyze) = recipe.get_mut("analyze").and_then(Value::as_object_mut)
-    {
-        analyze.remove("contrast");
+    // What is the default needs no words.
+    if let Some(analyze) = recipe.get_mut("analyze").and_then(Value::as_object_mut) {
+        if parameters.analyze.contrast == Contrast::Auto {
+            analyze.remove("contrast");
+        }
+        if parameters.analyze.even_light == EvenLight::Auto {
+            analyze.remove("even_light");
+        }
     }
     let parts = parts.iter().map(|part| {
         let file = part.file.to_string_lossy();

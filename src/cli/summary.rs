@@ -13,7 +13,7 @@ use vtex::output::reduce::GivenUp;
 use vtex::raster::colour::Colour;
 use vtex::scene::{Length, LengthUnit, Method, Role, Scene};
 use vtex::statistics::{Overlap, Repetition};
-use vtex::synth::{CategoryReport, ClusterReport, CurveReport, Structure, SynthReport, layer_map};
+use vtex::synth::{CategoryReport, ClusterReport, CurveReport, Structure, SynthReport, Turned, layer_map};
 
 /// The summary of a command.
 #[derive(Debug, Serialize)]
@@ -177,14 +177,18 @@ pub(crate) struct PhotographPreparation {
     /// Factor by which the contrast was stretched.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) contrast: Option<f64>,
+    /// How many times as bright as the darkest place the brightest was lit, if that light was taken out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) light: Option<f64>,
 }
 
 impl PhotographPreparation {
     pub(crate) fn of_library(library: &Library) -> Self {
-        let Source { copies, contrast, width, height, .. } = library.source;
+        let Source { copies, contrast, light, width, height, .. } = library.source;
         Self {
             repeated: (copies != [1; 2]).then(|| [width / copies[0], height / copies[1]]),
             contrast: (contrast != 1.0).then_some(contrast),
+            light,
         }
     }
 
@@ -201,7 +205,13 @@ impl PhotographPreparation {
                  (--contrast off stops this)"
             )
         };
-        self.repeated.map(tile).into_iter().chain(self.contrast.map(contrast))
+        let light = |ratio: f64| {
+            format!(
+                "one side of the photograph was lit {ratio:.1} times as brightly as another, which was evened out \
+                 (--even-light off stops this)"
+            )
+        };
+        self.repeated.map(tile).into_iter().chain(self.light.map(light)).chain(self.contrast.map(contrast))
     }
 }
 
@@ -455,6 +465,9 @@ impl Summary {
         if let Some(few) = &self.few_whole {
             say(few);
         }
+        if let Some(turned) = self.structure.as_ref().and_then(|structure| structure.turned) {
+            say(turned_text(turned));
+        }
         for Other { output, bytes: size } in &self.others {
             say(&format!("{output}: {}", bytes(*size)));
         }
@@ -659,6 +672,16 @@ pub(crate) fn few_whole(s: &Structure, library: &Library) -> Option<String> {
     Some(format!("only {} of {all} elements came whole, most others are joined of parts: {helps}", s.whole))
 }
 
+/// How a photograph was turned because few of its elements are whole, in a line.
+fn turned_text(turned: Turned) -> &'static str {
+    match turned {
+        Turned::Freely => {
+            "few elements are whole, so the photograph was turned and mirrored; --rotate 0 stops this"
+        }
+        Turned::Mirrored => "few elements are whole, so the photograph was mirrored; --rotate 0 stops this",
+    }
+}
+
 /// Counts of placement, in a line.
 fn placement_text(overlap: &Overlap, repetition: &Repetition) -> String {
     let mut line = format!(
@@ -748,8 +771,10 @@ mod tests {
 
     #[test]
     fn few_whole_elements_are_told_with_what_helps() {
-        let mut library =
-            Library::from_bytes(include_bytes!("../../tests/versions/pebbles.lib.json.gz"), "a").unwrap();
+        let drawing =
+            br#"<svg xmlns="http://www.w3.org/2000/svg" width="40" height="40"><circle r="9"/></svg>"#;
+        let mut library = vtex::import::import(drawing, "a", &Default::default(), &()).unwrap();
+        library.source.kind = SourceKind::Photograph;
         library.lattice = None;
         let structure =
             |whole, fused, wanted| Structure { whole, like: 2, fused, wanted, ..Structure::default() };

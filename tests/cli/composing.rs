@@ -58,23 +58,6 @@ fn a_picture_is_redrawn_in_any_texture() {
 }
 
 #[test]
-fn former_names_of_commands_still_work() {
-    let folder = with_scene();
-    let same = |new: &str, old: &str| {
-        folder.run(&format!("{new} -o new.svg --seed 1")).succeeds();
-        folder.run(&format!("{old} -o old.svg --seed 1")).succeeds();
-        assert!(folder.read("new.svg") == folder.read("old.svg"), "{old}");
-    };
-    same("transfer --onto photo.png --appearance photo.lib.json", "stylize photo.png --with photo.lib.json");
-    same("animate a.scene.json a.scene.json --at 0.5", "interp a.scene.json a.scene.json --at 0.5");
-    let told =
-        |line: &str| folder.run(&format!("{line} a.scene.json --library photo.lib.json")).succeeds().stdout;
-    assert_eq!(told("check"), told("metrics"));
-    let help = folder.run("--help").succeeds();
-    assert!(["stylize", "interp", "check"].iter().all(|name| !help.text().contains(name)));
-}
-
-#[test]
 fn a_flow_plays_in_every_form() {
     let folder = with_scene();
     for (name, beginning) in

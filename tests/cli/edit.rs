@@ -112,18 +112,6 @@ fn categories_are_selected_by_name_as_by_number() {
 }
 
 #[test]
-fn records_of_older_programs_are_read_and_told() {
-    let folder = with_scene();
-    let mut scene: serde_json::Value = serde_json::from_slice(&folder.read("a.scene.json")).unwrap();
-    scene["edits"] = json!([{ "operation": "tint #ff0000 --amount 0.4", "seed": 5 }]);
-    folder.write("old.scene.json", serde_json::to_vec(&scene).unwrap());
-    edit(&folder, "old.scene.json -o new.scene.json", &["thin 0.5"]).succeeds();
-    let run = folder.run("inspect new.scene.json").succeeds();
-    assert!(run.text().contains("   1  tint #ff0000 --amount 0.4\n"), "{}", run.text());
-    assert!(run.text().contains("   2  thin keep=0.5 order=blue-noise\n"), "{}", run.text());
-}
-
-#[test]
 fn what_matches_nothing_is_told() {
     let folder = with_scene();
     let idle = ["delete --where category=77", "recolor --from #00ff00 --to #000000 --reach 0.1"];

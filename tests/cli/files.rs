@@ -143,11 +143,11 @@ fn one_file_never_holds_two_things() {
         ),
         ("synth a.lib.json b.lib.json --map m.png -o m.png --force", "--map and -o name the same file"),
         (
-            "warp a.scene.json p.lib.json --scale 2 -o a.scene.json --force",
+            "warp a.scene.json p.lib.json --stretch 2 -o a.scene.json --force",
             "the scene and -o name the same file",
         ),
         (
-            "texture photo.png --mask m.png --save-masks m.png",
+            "texture photo.png --domain-mask m.png --save-masks m.png",
             "--domain-mask and --save-masks name the same file",
         ),
     ] {
@@ -262,7 +262,7 @@ fn files_that_steer_are_read() {
     folder.write("ramp.png", super::support::encode(&ramp.into(), image::ImageFormat::Png));
     let steered = "--size 60 --seed 1 --density ramp.png";
     folder.run(&format!("synth photo.lib.json --domain shape.svg {steered}")).succeeds();
-    folder.run(&format!("texture photo.png --mask ramp.png {steered} -o b.svg")).succeeds();
+    folder.run(&format!("texture photo.png --domain-mask ramp.png {steered} -o b.svg")).succeeds();
     let two = "synth photo.lib.json - --map ramp.png --size 60 --seed 1 --json";
     let run = folder.feed(two, &folder.read("photo.lib.json")).succeeds();
     // The result is named after the first library; the summary lists all.
@@ -279,18 +279,18 @@ fn scenes_are_warped() {
     };
     folder.write("square.svg", page("M0 0H60V60H0z"));
     folder.write("bent.svg", page("M0 0C20 30 60-10 80 10V70H10z"));
-    let run = folder.run("warp a.scene.json photo.lib.json --scale 2x1.5 --json").succeeds().json();
+    let run = folder.run("warp a.scene.json photo.lib.json --stretch 2x1.5 --json").succeeds().json();
     assert_eq!((&run["size"], &run["seed"]), (&serde_json::json!([120, 90]), &1.into()));
     assert_eq!((&run["output"], &run["command"]), (&"a.warped.svg".into(), &"warp".into()));
     // The seed is that of the scene, so no seed is printed.
-    let said = folder.run("warp a.scene.json photo.lib.json --scale 2").succeeds().stderr;
+    let said = folder.run("warp a.scene.json photo.lib.json --stretch 2").succeeds().stderr;
     assert!(!said.contains("seed:"), "{said}");
     let cages = "--cage square.svg --to bent.svg --seed 5";
     let run =
         folder.run(&format!("warp a.scene.json photo.lib.json {cages} -o b.scene.json --json")).succeeds();
     assert_eq!((&run.json()["size"], &run.json()["seed"]), (&serde_json::json!([80, 70]), &5.into()));
     // A warped scene can be warped again, with the same result on any number of threads.
-    let again = "warp b.scene.json photo.lib.json --scale 0.9";
+    let again = "warp b.scene.json photo.lib.json --stretch 0.9";
     folder.run(&format!("{again} -t 1 -o c.svg")).succeeds();
     folder.run(&format!("{again} -t 4 -o d.svg")).succeeds();
     assert_eq!(folder.read("c.svg"), folder.read("d.svg"));
@@ -335,7 +335,7 @@ fn commands_do_not_replace_what_others_made() {
     folder.run("synth photo.lib.json --size 50").succeeds();
     folder.run("synth photo.lib.json --size 50 -o photo.scene.json").succeeds();
     folder.run("edit photo.scene.json --op flatten").succeeds();
-    folder.run("warp photo.scene.json photo.lib.json --scale 1.2").succeeds();
+    folder.run("warp photo.scene.json photo.lib.json --stretch 1.2").succeeds();
     folder.run("animate photo.scene.json photo.scene.json --at 0.5").succeeds();
     assert_eq!(
         folder.names(),
@@ -400,7 +400,7 @@ fn several_outputs_come_of_one_run() {
     for command in [
         "edit 1.scene.json.gz --op flatten",
         "render 1.scene.json.gz",
-        "warp 1.scene.json.gz photo.lib.json --scale 1.1",
+        "warp 1.scene.json.gz photo.lib.json --stretch 1.1",
         "vectorize photo.png",
         "animate 1.scene.json.gz 1.scene.json.gz --at 0.5",
         "animate 1.scene.json.gz 1.scene.json.gz --frames 2",

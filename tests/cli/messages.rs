@@ -45,7 +45,7 @@ fn wrong_usage_exits_with_2() {
         ("synth - --density -", "'-' stands for more than one file"),
         ("texture photo.png --map a.png", "--map"),
         ("warp a.scene.json photo.lib.json", "nothing says how to bend the scene"),
-        ("warp a.scene.json photo.lib.json --scale 0.01", "expected 1.5 or 1.5x2, 0.1 to 10 each"),
+        ("warp a.scene.json photo.lib.json --stretch 0.01", "expected 1.5 or 1.5x2, 0.1 to 10 each"),
         ("warp a.scene.json photo.lib.json --cage a.svg", "--to"),
         ("warp a.scene.json photo.lib.json --cage a.svg --to b.svg --stretch 2", "--stretch"),
         ("warp a.scene.json", "<LIBRARY>"),
@@ -54,7 +54,7 @@ fn wrong_usage_exits_with_2() {
         ("edit a.scene.json --op flaten", "there is no operation 'flaten'"),
         ("edit a.scene.json --op=thin", "nothing says how much to keep"),
         ("edit a.scene.json --op flatten -o a.scene.json", "name the same file"),
-        ("warp - - --scale 2", "'-' stands for more than one file"),
+        ("warp - - --stretch 2", "'-' stands for more than one file"),
         ("analyze photo.png --minimum-area 0", "expected 1 to 1000000 px of area"),
         ("synth photo.lib.json --candidates -1", "'-1' for '--candidates <NUMBER>': expected 1 to 1000"),
         ("synth photo.lib.json --rotate x", "'x' for '--rotate <NUMBER>': expected 0 to 180 degrees"),
@@ -136,9 +136,9 @@ fn files_that_do_not_steer_say_so_before_the_work() {
         ("--domain photo.png", "'photo.png' holds an image, not an SVG", "--domain-mask"),
         ("--domain text.txt", "'text.txt' cannot be used as a shape", "must be an SVG"),
         ("--domain open.svg", "its path is open", "end its path data with Z"),
-        ("--mask open.svg", "'open.svg' holds an SVG, not an image", "--domain"),
-        ("--mask black.png", "nothing in it is white", "white is inside"),
-        ("--mask text.txt", "cannot decode 'text.txt'", "PNG"),
+        ("--domain-mask open.svg", "'open.svg' holds an SVG, not an image", "--domain"),
+        ("--domain-mask black.png", "nothing in it is white", "white is inside"),
+        ("--domain-mask text.txt", "cannot decode 'text.txt'", "PNG"),
         ("--density photo.lib.json", "'photo.lib.json' holds a library, not an image", "a map is a picture"),
     ] {
         for command in ["synth photo.lib.json", "texture photo.png"] {
@@ -174,14 +174,14 @@ fn a_warp_that_cannot_be_says_why() {
         ("photo.lib.json --cage square.svg --to crossed.svg", "crosses itself", "undo the crossing"),
         ("photo.lib.json --cage two.svg --to square.svg", "it has 2 rings", "a cage is one ring"),
         ("photo.lib.json --cage photo.png --to square.svg", "holds an image, not an SVG", "a cage is drawn"),
-        ("other.lib.json --scale 2", "its elements are not those of the scene", "made from"),
-        ("photo.lib.json photo.lib.json --scale 2", "the scene was made without it", "made from"),
-        ("photo.png --scale 2", "'photo.png' holds an image, not a library", "vtex analyze"),
+        ("other.lib.json --stretch 2", "its elements are not those of the scene", "made from"),
+        ("photo.lib.json photo.lib.json --stretch 2", "the scene was made without it", "made from"),
+        ("photo.png --stretch 2", "'photo.png' holds an image, not a library", "vtex analyze"),
     ] {
         let run = folder.run(&format!("warp a.scene.json {arguments} -o out.svg")).fails(1, message);
         assert!(run.stderr.contains(hint), "{arguments}: {}", run.stderr);
     }
-    let run = folder.run("warp photo.lib.json photo.lib.json --scale 2 -o out.svg").fails(1, "not a scene");
+    let run = folder.run("warp photo.lib.json photo.lib.json --stretch 2 -o out.svg").fails(1, "not a scene");
     assert!(run.stderr.contains("make a scene with"), "{}", run.stderr);
     assert!(!folder.path("out.svg").exists());
 }

@@ -147,7 +147,7 @@ fn pdf_is_written_by_every_command_that_writes_a_scene() {
     for command in [
         "synth photo.lib.json --size 60 --seed 1",
         "texture photo.png --size 60 --seed 1",
-        "warp a.scene.json photo.lib.json --scale 1.2",
+        "warp a.scene.json photo.lib.json --stretch 1.2",
         "render a.scene.json",
         "render photo.lib.json",
     ] {

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use vtex::geometry::{BezPath, Outline};
 use vtex::raster::colour::Colour;
-use vtex::scene::{Domain, Edge, EditRecord, Recorded, Scene, Shadow, Stroke};
+use vtex::scene::{Domain, Edge, EditRecord, Recorded, Scene, Shadow, Stroke, Transfer, TransferMode};
 
 /// Clicks through the page and leaves what it saw in an element `outcome`.
 const CLICKS: &str = include_str!("clicks.js");
@@ -60,7 +60,9 @@ fn edit(scene: &mut Scene) {
         instance.shadow = Some(Shadow { offset: [3.0, 3.0], opacity: 0.5, blur: 3.0 });
         instance.stroke = Some(Stroke { width: 4.0, colour: Colour([200, 30, 30]) });
     }
-    scene.edits = vec![EditRecord { operation: Recorded::Text("shadow --length 3".into()), seed: 1 }];
+    let (appearance, mode) = (vec!["moss.png".into()], TransferMode::Mean);
+    let operation = Recorded::Transfer(Transfer { appearance, mode, scale: 0.5 });
+    scene.edits = vec![EditRecord { operation, seed: 1 }];
 }
 
 #[test]
@@ -100,7 +102,7 @@ fn the_page_works_by_clicking() {
         assert_eq!((console, &seen["errors"]), (Vec::new(), &Value::Array(Vec::new())), "{seen}");
         assert_eq!(seen["panes"].as_array().unwrap().len(), 1, "{seen}");
         assert!(seen["changed"]["primary"].as_f64().unwrap() > 0.0, "{seen}");
-        let edited = text.contains("shadow --length 3");
+        let edited = text.contains("transfer appearance=moss.png");
         assert_eq!(seen["edits"], usize::from(edited), "{seen}");
         // Without details a primary keeps its outline stroke and hides no more of others.
         let [with, without] = [0, 1].map(|k| seen["lines"][k].as_u64().unwrap());

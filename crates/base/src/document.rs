@@ -17,11 +17,6 @@ pub trait Document: Serialize + DeserializeOwned {
     /// Value of the field `version`.
     const VERSION: u32;
 
-    /// Reads a document of an older version and converts it; `None` for an unknown version.
-    fn read_older(_version: u64, _json: &[u8]) -> Option<serde_json::Result<Self>> {
-        None
-    }
-
     /// Checks the invariants that types cannot express.
     ///
     /// # Errors A description of the first broken invariant.
@@ -85,16 +80,14 @@ pub fn from_bytes<'a, T: Document>(bytes: impl Into<Cow<'a, [u8]>>, name: &str) 
     }
     let Some(version) = header.version else { return Err(fail("it has no field 'version'".into())) };
     let known = u64::from(T::VERSION);
-    let parse = |json: &[u8]| match version == known {
-        true => Some(serde_json::from_slice(json)),
-        false => T::read_older(version, json),
-    };
-    let json = without_seal(json);
-    let Some(read) = parse(&json) else {
+    if version != known {
         return Err(Error::Version { name: name.into(), format: T::FORMAT, found: version, known });
-    };
-    let elsewhere = || parse(&without_seal_elsewhere(&json)?);
-    let read = read.or_else(|e| if ends_at_seal(&json, &e) { elsewhere().unwrap_or(Err(e)) } else { Err(e) });
+    }
+    let json = without_seal(json);
+    let parse = |json: &[u8]| serde_json::from_slice(json);
+    let elsewhere = || Some(parse(&without_seal_elsewhere(&json)?));
+    let read = parse(&json)
+        .or_else(|e| if ends_at_seal(&json, &e) { elsewhere().unwrap_or(Err(e)) } else { Err(e) });
     // An unbalanced brace before the seal makes it a field of another object.
     let read = read.map_err(|e| {
         let braces = ends_at_seal(&json, &e).then(|| braces(&json)).flatten();

@@ -216,8 +216,8 @@ pub(crate) fn affine(t: Transform) -> Affine {
     Affine::new([t.sx, t.ky, t.kx, t.sy, t.tx, t.ty].map(f64::from))
 }
 
-/// Draws a tree over a picture. `enlarged` is by how many times drawing may take longer than for a page as large as it is,
-/// because more pixels were asked for; at least 1.
+/// Draws a tree over a picture. `patience` is how many times as long drawing may take as for a page as large as it is: more
+/// if more pixels were asked for, less if it is one of several drawings.
 ///
 /// # Errors
 /// Why it cannot be drawn: a shape reaches 10⁸ pixels away; drawing would take more than some ten seconds, in a file of
@@ -226,7 +226,7 @@ pub fn draw(
     tree: &SvgTree,
     transform: Transform,
     picture: &mut Pixmap,
-    enlarged: f64,
+    patience: f64,
 ) -> Result<(), SvgFault> {
     let scale = transform.sx.abs().max(transform.sy.abs());
     if furthest(tree) * scale > FURTHEST {
@@ -236,7 +236,7 @@ pub fn draw(
     let [any, each] = MOST_TIME;
     let canvas = [picture.width(), picture.height()];
     let most = DrawingCost {
-        time: (any + each * tree.megabytes()) * enlarged.max(1.0),
+        time: (any + each * tree.megabytes()) * patience,
         memory: MOST_MEMORY.max(MOST_CANVASES * 4.0 * f64::from(canvas[0]) * f64::from(canvas[1])),
     };
     let cost = DrawingCost::of(tree.root(), transform, canvas, most);

@@ -36,6 +36,7 @@ def analyze(
     cells: int = 0,
     max_pixels: int | Literal["off"] = 1_200_000,
     contrast: float | Literal["auto", "off"] = "auto",
+    even_light: Literal["auto", "on", "off"] = "auto",
     wrap: bool | None = None,
     layers: int | Literal["auto", "off"] = "auto",
     layer_order: Sequence[int] = (),
@@ -113,6 +114,9 @@ def analyze(
     contrast : float, "auto" or "off", default "auto"
         Factor by which the contrast is stretched before the analysis, 1 to 10. ``"auto"`` stretches subtle pictures
         only. Results have the picture's own colours.
+    even_light : {"auto", "on", "off"}, default "auto"
+        Whether slow changes of light, such as of a plate lit from one side, are taken out before the analysis.
+        ``"auto"`` does so where they are seen.
     wrap : bool, optional
         Whether opposite borders join, so that what they cut is one element. Default: where they are seen
         to.
@@ -186,6 +190,7 @@ def analyze(
         "cells": cells,
         "max_pixels": max_pixels,
         "contrast": contrast,
+        "even_light": even_light,
         "wrap": wrap is True,
         "layers": 1 if layers == "off" else layers,
         "layer_order": list(layer_order),

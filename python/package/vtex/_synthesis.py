@@ -30,7 +30,7 @@ def synthesize(
     weights: Sequence[float] = (0.5, -0.4, -0.2, -0.5, -0.5),
     background_spacing: float | None = None,
     tile: bool | Literal["none", "both", "x", "y"] = "none",
-    rotate: float = 0.0,
+    rotate: float | None = None,
     mirror: bool = False,
     scale_jitter: float = 0.0,
     edge: Literal["keep", "clip", "avoid"] = "clip",
@@ -88,8 +88,8 @@ def synthesize(
         Distance between background colours, 4 to 1000 pixels. Default: as in the library.
     tile : bool or {"none", "both", "x", "y"}, default "none"
         Axes along which it repeats without a seam.
-    rotate : float, default 0.0
-        Largest angle by which elements are turned either way, 0 to 180 degrees.
+    rotate : float, optional
+        Largest angle by which elements are turned either way, 0 to 180 degrees. Default: 0.
     mirror : bool, default False
         Whether half of the elements are mirrored.
     scale_jitter : float, default 0.0

@@ -29,6 +29,7 @@ class Parameters(TypedDict, total=False):
     background_spacing: float
     background_margin: float
     contrast: float | Literal["auto", "off"]
+    even_light: Literal["auto", "on", "off"]
     wrap: bool | None
     layers: int | Literal["auto", "off"]
     layer_order: Sequence[int]
@@ -118,6 +119,9 @@ def vectorize(
     finder: Any = segmenter
     if segmenter == "auto" and parameters.get("encoder") is None and parameters.get("decoder") is None:
         finder = "one-tree"
+    # The picture keeps its light.
+    if parameters.get("even_light", "auto") == "auto":
+        parameters["even_light"] = "off"
     # Nothing is repeated here, so nobody asks whether borders join.
     parameters["wrap"] = parameters.get("wrap") is True
     library = analyze(

@@ -153,7 +153,7 @@ impl Arguments for TextureArgs {
 fn restore(recipe: &Recipe, control: &mut ControlArgs, masks: &mut MasksArgs) -> anyhow::Result<()> {
     let part = |role: &str| recipe.part(role).map(|part| part.file.clone());
     if control.domain.is_none() && control.mask.is_none() {
-        (control.domain, control.mask) = (part("--domain"), part("--domain-mask").or_else(|| part("--mask")));
+        (control.domain, control.mask) = (part("--domain"), part("--domain-mask"));
     }
     control.density = control.density.take().or_else(|| part("--density"));
     if control.control.is_none() && control.guide.is_none() {

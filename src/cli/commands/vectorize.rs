@@ -20,6 +20,7 @@ use crate::cli::summary::{ElementCounts, PhotographPreparation, PhotographReduct
 use clap::Args;
 use std::path::PathBuf;
 use vtex::Progress;
+use vtex::library::EvenLight;
 use vtex::output::file::Format;
 use vtex::synth::reconstruct;
 
@@ -90,7 +91,11 @@ impl Arguments for VectorizeArgs {
         let analysis = Analysis::new(photo, (masks, layer_files), &force, &output, &resolved.parameters)?;
         // A picture is not tiled.
         let masks = without_network(analysis.masks);
-        let analysis = Analysis { looks_at_borders: false, masks, ..analysis };
+        let mut analysis = Analysis { looks_at_borders: false, masks, ..analysis };
+        // The picture keeps its light.
+        if analysis.parameters.even_light == EvenLight::Auto {
+            analysis.parameters.even_light = EvenLight::Off;
+        }
         let (svg, render) = (resolved.parameters.svg, resolved.parameters.render);
         let drawing = DrawingOptions { svg, render, recipe: None };
         Ok(Box::new(move |common, reporter| {

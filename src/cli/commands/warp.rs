@@ -51,7 +51,7 @@ pub(crate) struct WarpArgs {
     #[arg(long, value_name = "FILE", requires = "cage")]
     pub(crate) to: Option<PathBuf>,
     /// Stretch the canvas: 1.5 or 1.5x2
-    #[arg(long = "stretch", alias = "scale", value_name = "FACTOR", takes = Bend::FACTORS)]
+    #[arg(long = "stretch", value_name = "FACTOR", takes = Bend::FACTORS)]
     pub(crate) scale: Option<Factors>,
     /// At the edge of the new shape keep elements whole, clip them, or avoid it [keep, clip or avoid,
     /// default: as in the scene]

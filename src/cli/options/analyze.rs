@@ -8,7 +8,9 @@ use crate::cli::values::{Wrap, named, one_of};
 use clap::{Args, ValueEnum};
 use serde::{Deserialize, Serialize};
 use vtex::Parameter;
-use vtex::library::{AnalyzeParams, Categories, Contrast, Grouping, MotifGrouping, PictureKind, Shading};
+use vtex::library::{
+    AnalyzeParams, Categories, Contrast, EvenLight, Grouping, MotifGrouping, PictureKind, Shading,
+};
 
 /// The segmenter that finds the masks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, ValueEnum, Serialize, Deserialize)]
@@ -93,6 +95,12 @@ pub(crate) struct AnalyzeFlags {
     #[arg(long, value_name = "FACTOR")]
     #[arg(takes = format!("auto, off, or {}, default: auto", AnalyzeParams::CONTRAST))]
     pub(crate) contrast: Option<Contrast>,
+    /// Take slow changes of light out before the analysis, such as of a plate lit from one side. auto: where
+    /// they are seen, but for vectorize [auto, on or off; alone: on; default: auto]
+    #[arg(long, value_name = "WHETHER", num_args = 0..=1, require_equals = true, default_missing_value = "on")]
+    #[arg(hide_possible_values = true)]
+    #[arg(value_parser = one_of(&["auto", "on", "off"], named::<EvenLight>))]
+    pub(crate) even_light: Option<EvenLight>,
     /// The exemplar tiles: opposite borders join, and what they cut is one element. auto: where they are
     /// seen to, but for vectorize [auto, on or off; alone: on; default: auto]
     #[arg(long, value_name = "WHETHER", num_args = 0..=1, require_equals = true, default_missing_value = "on")]

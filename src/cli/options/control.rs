@@ -15,7 +15,7 @@ pub(crate) struct ControlArgs {
     #[arg(long, value_name = "FILE", conflicts_with = "mask")]
     pub(crate) domain: Option<PathBuf>,
     /// Fill what is white in a picture, or opaque where it is partly transparent
-    #[arg(long = "domain-mask", alias = "mask", value_name = "FILE")]
+    #[arg(long = "domain-mask", value_name = "FILE")]
     pub(crate) mask: Option<PathBuf>,
     /// Density relative to the photograph's: a grey picture, black 0, middle grey 1, white 2
     #[arg(long, value_name = "FILE")]

@@ -199,6 +199,7 @@ pub(super) fn assemble(
             scale: [1.0; 2],
             copies: [1; 2],
             contrast: 1.0,
+            light: None,
             sha256: Sha256::digest(origin.bytes).iter().map(|b| format!("{b:02x}")).collect(),
             segmenter: "drawing".into(),
             parameters: analyze,

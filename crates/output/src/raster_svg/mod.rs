@@ -30,6 +30,19 @@ const USUAL: f64 = 4e6;
 /// [`Error::TooLarge`] beyond 100 000 pixels on a side, 2³⁰ pixels, 2²⁸ for a small file that is not enlarged, or
 /// 1 GiB of text; [`Error::Interrupted`].
 pub fn render_svg(bytes: &[u8], scale: f64, name: &str, progress: &dyn Progress) -> Result<Pixmap> {
+    render_part_of(bytes, scale, (name, 1.0), progress)
+}
+
+/// [`render_svg`] of one of several drawings that may take a `share` of the time together.
+///
+/// # Errors
+/// Those of [`render_svg`].
+pub fn render_part_of(
+    bytes: &[u8],
+    scale: f64,
+    (name, share): (&str, f64),
+    progress: &dyn Progress,
+) -> Result<Pixmap> {
     let fail = |fault| failed(name, fault);
     let text = svg_tree::text(bytes, name, fail)?;
     let document = svg_tree::document(&text).map_err(fail)?;
@@ -53,11 +66,11 @@ pub fn render_svg(bytes: &[u8], scale: f64, name: &str, progress: &dyn Progress)
     if !pieces.several() {
         advance(progress, "drawing", 0, total)?;
         let tree = svg_tree::tree(&document).map_err(|fault| refused(fault, total))?;
-        let mut canvas = LayeredPicture::new(&tree, scale, name)?;
+        let mut canvas = LayeredPicture::new(&tree, scale, (name, share))?;
         canvas.draw(&tree)?;
         return Ok(canvas.picture);
     }
-    let mut canvas = LayeredPicture::new(&parse(&pieces.empty()).map_err(fail)?, scale, name)?;
+    let mut canvas = LayeredPicture::new(&parse(&pieces.empty()).map_err(fail)?, scale, (name, share))?;
     let mut done = 0;
     pieces.each(&mut |step| {
         advance(progress, "drawing", done, total)?;
@@ -103,15 +116,15 @@ fn left_out(document: &Document<'_>, name: &str) -> Option<String> {
 struct LayeredPicture<'a> {
     name: &'a str,
     transform: Transform,
-    /// How many times as long drawing may take, because a large picture was asked for.
-    enlarged: f64,
+    /// How many times as long drawing may take, because a large picture was asked for, or several.
+    patience: f64,
     picture: Pixmap,
     below: Vec<Pixmap>,
 }
 
 impl<'a> LayeredPicture<'a> {
     /// An empty canvas of the size of an SVG at a scale.
-    fn new(tree: &SvgTree, scale: f64, name: &'a str) -> Result<Self> {
+    fn new(tree: &SvgTree, scale: f64, (name, share): (&'a str, f64)) -> Result<Self> {
         let (w, h) = (tree.size().width(), tree.size().height());
         let (width, height) = picture_size(f64::from(w), f64::from(h), scale, name)?;
         let transform = Transform::from_scale(width as f32 / w, height as f32 / h);
@@ -123,12 +136,13 @@ impl<'a> LayeredPicture<'a> {
         }
         let picture = layer(width, height, name)?;
         let enlarged = (scale * scale).min(f64::from(width) * f64::from(height) / USUAL);
-        Ok(Self { name, transform, enlarged, picture, below: Vec::new() })
+        let patience = share * enlarged.max(1.0);
+        Ok(Self { name, transform, patience, picture, below: Vec::new() })
     }
 
     /// Draws an SVG over the topmost layer.
     fn draw(&mut self, tree: &SvgTree) -> Result<()> {
-        svg_tree::draw(tree, self.transform, &mut self.picture, self.enlarged)
+        svg_tree::draw(tree, self.transform, &mut self.picture, self.patience)
             .map_err(|fault| failed(self.name, fault))
     }
 
@@ -142,7 +156,7 @@ impl<'a> LayeredPicture<'a> {
     /// Ends a layer: clips it to `shape` and draws it over the one below.
     fn close(&mut self, shape: &SvgTree) -> Result<()> {
         let mut mask = layer(self.picture.width(), self.picture.height(), self.name)?;
-        svg_tree::draw(shape, self.transform, &mut mask, self.enlarged)
+        svg_tree::draw(shape, self.transform, &mut mask, self.patience)
             .map_err(|fault| failed(self.name, fault))?;
         let paint = |blend_mode| PixmapPaint { blend_mode, ..PixmapPaint::default() };
         let still = Transform::identity();
@@ -278,7 +292,7 @@ mod tests {
                 (!clip.contains("opacity"), 2 * usize::from(clip.contains("clip")))
             );
             let tree = svg_tree::tree(&document).unwrap();
-            let mut whole = LayeredPicture::new(&tree, 2.0, "crowd").unwrap();
+            let mut whole = LayeredPicture::new(&tree, 2.0, ("crowd", 1.0)).unwrap();
             whole.draw(&tree).unwrap();
             let found = render_svg(text.as_bytes(), 2.0, "crowd", &()).unwrap();
             let off = whole.picture.data().iter().zip(found.data()).map(|(a, b)| a.abs_diff(*b)).max();

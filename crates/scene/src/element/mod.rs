@@ -13,7 +13,6 @@ mod shape;
 mod similar;
 #[cfg(test)]
 mod tests;
-pub(crate) mod version1;
 
 pub use appearance::Appearance;
 pub use ellipse::{Ellipse, Profile};

@@ -4,6 +4,7 @@
 //! are found from its autocorrelation ([`find`](mod@find)), and both say the *phase* of a place: its position within a
 //! period.
 
+mod cells;
 mod correlation;
 mod find;
 mod fit;

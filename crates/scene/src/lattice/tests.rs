@@ -241,3 +241,29 @@ fn is_near(found: &[[f64; 2]], wanted: [f64; 2], share: f64) -> bool {
     let [[x, y]] = *found else { return false };
     length([x - wanted[0], y - wanted[1]]) <= share * length(wanted)
 }
+
+#[test]
+fn cells_are_drawn_around_the_elements() {
+    // A bond of bricks of 40 × 20 px, each row moved by a half.
+    let lattice = Lattice::new(&[[40.0, 0.0], [20.0, 20.0]]).unwrap();
+    let centre = |row: i32, n: i32| [13.0 + f64::from(40 * n + 20 * row), 7.0 + f64::from(20 * row)];
+    let centres: Vec<[f64; 2]> = (0..5).flat_map(|row| (-2..4).map(move |n| centre(row, n))).collect();
+    let lines = lattice.cells(&centres, [120.0, 100.0]);
+    let is_level = |[a, b]: &[[f64; 2]; 2]| (a[1] - b[1]).abs() < 1e-6;
+    let (rows, ends): (Vec<[[f64; 2]; 2]>, Vec<[[f64; 2]; 2]>) = lines.iter().copied().partition(is_level);
+    assert!(
+        rows.iter().all(|[a, _]| ((a[1] - 17.0) / 20.0 - libm::round((a[1] - 17.0) / 20.0)).abs() < 1e-6)
+    );
+    assert_eq!(rows.len(), 5);
+    // Each end is half-way between two bricks of its row.
+    for [a, b] in ends {
+        assert!((a[0] - b[0]).abs() < 1e-6 && (a[1] - b[1]).abs() > 19.0);
+        let row = libm::round((0.5 * (a[1] + b[1]) - 7.0) / 20.0);
+        let phase = (a[0] - 13.0 - 20.0 * row) / 40.0 - 0.5;
+        assert!((phase - libm::round(phase)).abs() < 1e-6, "{a:?}");
+    }
+    let rows = Lattice::new(&[[0.0, 25.0]]).unwrap().cells(&[[9.0, 10.0]], [50.0, 100.0]);
+    let heights: Vec<f64> = rows.iter().map(|[a, _]| libm::round(a[1])).collect();
+    assert_eq!(heights.iter().map(|h| h.rem_euclid(25.0)).collect::<Vec<_>>(), vec![23.0; rows.len()]);
+    assert_eq!(rows.len(), 4);
+}

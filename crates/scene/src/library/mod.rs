@@ -16,7 +16,6 @@ mod strata;
 pub mod testing;
 mod units;
 mod validate;
-mod version1;
 
 pub use arrangement::Arrangement;
 pub use categories::Categories;
@@ -24,7 +23,7 @@ pub use contrast::Contrast;
 pub use guide::{Guide, Picture};
 pub use instance::ExemplarInstance;
 pub use motif::{Motif, MotifPart};
-pub use parameters::{AnalyzeParams, Grouping, MotifGrouping, PictureKind, Shading};
+pub use parameters::{AnalyzeParams, EvenLight, Grouping, MotifGrouping, PictureKind, Shading};
 pub use recolour::Stretch;
 pub use strata::Stratum;
 
@@ -119,6 +118,10 @@ pub struct Source {
     #[serde(default = "not_stretched", skip_serializing_if = "is_not_stretched")]
     #[cfg_attr(feature = "schema", schemars(transform = AnalyzeParams::CONTRAST.limits()))]
     pub contrast: f64,
+    /// How many times as bright as the darkest place the brightest was lit, if that light was taken out before the
+    /// analysis. The library has the colours of the even picture.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub light: Option<f64>,
     /// SHA-256 of the exemplar's file, in hexadecimal.
     pub sha256: String,
     /// Name of the segmenter that made the masks, such as `regions`.
@@ -296,6 +299,15 @@ impl Library {
         }
     }
 
+    /// The borders of the cells of a lattice around its primaries ([`Lattice::cells`]), as path data of SVG in pixels of
+    /// the exemplar.
+    pub fn path_of_cells(&self, lattice: &Lattice) -> String {
+        let centres: Vec<[f64; 2]> = self.primaries().iter().map(|p| p.centroid).collect();
+        let size = [self.source.width, self.source.height].map(f64::from);
+        let lines = lattice.cells(&centres, size);
+        lines.iter().map(|[a, b]| format!("M{:.1} {:.1}L{:.1} {:.1}", a[0], a[1], b[0], b[1])).collect()
+    }
+
     /// The primaries: large distinct elements, each with a category. Their order is that of the labels
     /// of the arrangement.
     pub fn primaries(&self) -> &[ExemplarElement] {
@@ -342,13 +354,6 @@ document!(Library, "vtex-library", 2);
 impl Document for Library {
     const FORMAT: &'static str = Self::FORMAT;
     const VERSION: u32 = Self::VERSION;
-
-    fn read_older(version: u64, json: &[u8]) -> Option<serde_json::Result<Self>> {
-        (version == 1).then(|| -> serde_json::Result<Self> {
-            let old: version1::LibraryVersion1 = serde_json::from_slice(json)?;
-            Self::try_from(old).map_err(serde::de::Error::custom)
-        })
-    }
 
     fn validate(&self) -> Result<(), String> {
         validate::validate(self)

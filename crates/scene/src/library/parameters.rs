@@ -81,6 +81,10 @@ pub struct AnalyzeParams {
     /// afterwards. Default auto, which is not stored.
     #[serde(skip_serializing_if = "Contrast::is_default")]
     pub contrast: Contrast,
+    /// Whether a slow change of light over a photograph is taken out before it is analysed; it does not come back. Default
+    /// auto, which is not stored.
+    #[serde(skip_serializing_if = "EvenLight::is_default")]
+    pub even_light: EvenLight,
     /// Whether the exemplar tiles, that is, its opposite borders join. The parts of an element that a border
     /// cuts are then one element. Default false; `vtex::analyze::borders_join` tests it.
     pub wrap: bool,
@@ -99,6 +103,27 @@ pub struct AnalyzeParams {
     pub group: MotifGrouping,
     /// Whether parts of a drawing that cannot be read are left out, rather than refused. Default false.
     pub lenient: bool,
+}
+
+/// Whether a slow change of light is taken out of a photograph.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum EvenLight {
+    /// Where light explains most of the large differences of lightness.
+    #[default]
+    Auto,
+    /// In any case.
+    On,
+    /// Never.
+    Off,
+}
+
+impl EvenLight {
+    /// Whether it is the default.
+    fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
 }
 
 /// What a picture shows.
@@ -228,6 +253,7 @@ impl Default for AnalyzeParams {
             cells: Self::CELLS.default(),
             max_pixels: Self::MAX_PIXELS.default(),
             contrast: Contrast::Auto,
+            even_light: EvenLight::Auto,
             wrap: false,
             layers: 0,
             layer_order: Vec::new(),

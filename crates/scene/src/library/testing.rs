@@ -95,6 +95,7 @@ pub fn library(map: &LabelMap) -> Library {
             scale: [1.0; 2],
             copies: [1; 2],
             contrast: 1.0,
+            light: None,
             sha256: "0".repeat(64),
             segmenter: "test".into(),
             parameters: AnalyzeParams::default(),

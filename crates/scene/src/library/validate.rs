@@ -22,6 +22,9 @@ pub(super) fn validate(l: &Library) -> Result<(), String> {
             AnalyzeParams::CONTRAST
         ));
     }
+    if let Some(light) = l.source.light.filter(|light| !(1.0..=1e6).contains(light)) {
+        return Err(format!("source.light = {light} is not within 1 to 1000000"));
+    }
     let copies = l.source.copies;
     if copies.iter().zip([w, h]).any(|(count, side)| !(1..=side).contains(count)) {
         return Err(format!("source.copies = {copies:?} do not fit the exemplar"));

@@ -29,9 +29,6 @@ pub enum Recorded {
     Interpolation(Between),
     /// A transfer of the appearance of other textures.
     Transfer(Transfer),
-    /// Any of these as text of a command line, as in files of older programs.
-    #[serde(untagged)]
-    Text(String),
 }
 
 /// A transfer of appearance.
@@ -101,7 +98,6 @@ pub enum Axis {
 impl Display for Recorded {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Text(text) => f.write_str(text),
             Self::Edit(operation) => operation.fmt(f),
             Self::Transfer(Transfer { appearance, mode, scale }) => {
                 write!(f, "transfer appearance={} mode={} scale={scale}", appearance.join("+"), word(mode))
@@ -229,20 +225,10 @@ mod tests {
                 }),
                 "transfer appearance=a.png+b.png mode=mean scale=0.5",
             ),
-            (Recorded::Text("thin 0.5 --layer primary".into()), "thin 0.5 --layer primary"),
         ] {
             assert_eq!(record.to_string(), text);
             let json = serde_json::to_string(&record).unwrap();
             assert_eq!(serde_json::from_str::<Recorded>(&json).unwrap(), record, "{json}");
         }
-    }
-
-    #[test]
-    fn records_of_older_programs_are_text() {
-        let old = r#"{ "operation": "tint #ff0000 --amount 0.5", "seed": 5 }"#;
-        let record: EditRecord = serde_json::from_str(old).unwrap();
-        assert_eq!(record.operation, Recorded::Text("tint #ff0000 --amount 0.5".into()));
-        let unknown = r#"{ "operation": { "edit": { "action": "explode" } }, "seed": 5 }"#;
-        assert!(serde_json::from_str::<EditRecord>(unknown).is_err());
     }
 }

@@ -18,7 +18,6 @@ mod splat;
 pub mod testing;
 mod tile;
 mod validate;
-mod version1;
 
 pub use crate::element::{CategoryId, ElementId, Gradient, Role, Shape};
 pub use edits::{Axis, Between, EditRecord, Place, Recorded, Transfer, TransferMode};
@@ -167,7 +166,7 @@ pub struct LibraryRef {
     pub exemplar: String,
     /// SHA-256 of the exemplar's file.
     pub sha256: String,
-    /// Names of the library's categories, in its order; empty in files of older programs.
+    /// Names of the library's categories, in its order; empty if they are not known.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub categories: Vec<String>,
 }
@@ -187,8 +186,7 @@ impl LibraryRef {
 pub struct Element {
     /// Its library, by index in [`Scene::libraries`].
     pub library: LibraryId,
-    /// Its index in that library; `None` if it is not known, as for small elements of scenes of
-    /// version 1.
+    /// Its index in that library; `None` if it is not known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub source: Option<ElementId>,
     /// Its category in that library, if it has one.
@@ -196,7 +194,7 @@ pub struct Element {
     pub category: Option<CategoryId>,
     /// Whether it is made of parts of several elements of the library, or of a part of one, instead of being
     /// one of them. Then `source` is the one that most of it comes from.
-    #[serde(default, alias = "fragment", skip_serializing_if = "std::ops::Not::not")]
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub fused: bool,
     /// The outline of the whole, if that is not the outline of the first shape.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -494,10 +492,6 @@ document!(Scene, "vtex-scene", 2);
 impl Document for Scene {
     const FORMAT: &'static str = Self::FORMAT;
     const VERSION: u32 = Self::VERSION;
-
-    fn read_older(version: u64, json: &[u8]) -> Option<serde_json::Result<Self>> {
-        (version == 1).then(|| serde_json::from_slice::<version1::SceneVersion1>(json).map(Self::from))
-    }
 
     fn validate(&self) -> std::result::Result<(), String> {
         validate::validate(self)

@@ -17,7 +17,7 @@ pub struct Operation {
     pub action: Action,
     /// The layers that are selected, by name or role ([`Role::name`](super::Role::name)), with the
     /// points of their fields. Default: the elements of all layers, and no fields.
-    #[serde(default, alias = "layers", skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub layer: Option<String>,
     /// Conditions that a texton must all fulfil to be selected. Default: none.
     #[serde(default, rename = "where", skip_serializing_if = "Vec::is_empty")]

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::str::FromStr;
 use vtex_base::Parameter;
-use vtex_base::error::check;
+use vtex_base::error::{self, check};
 
 /// Parameters of synthesis. Lengths in pixels. Ranges and defaults of numbers are constants, such as
 /// [`SynthParams::CANDIDATES`].
@@ -43,9 +43,10 @@ pub struct SynthParams {
     pub background_spacing: Option<f64>,
     /// Axes along which the texture repeats seamlessly. Default none.
     pub tile: Tile,
-    /// Largest rotation of a texton in either direction, in degrees.
+    /// Largest rotation of a texton in either direction, in degrees. Default: 0, but a photograph with few whole
+    /// elements is turned and mirrored where neither its light nor its structure has a direction.
     #[cfg_attr(feature = "schema", schemars(transform = Self::ROTATE.limits()))]
-    pub rotate: f64,
+    pub rotate: Option<f64>,
     /// Whether half of the textons, chosen at random, are mirrored. Default false.
     pub mirror: bool,
     /// Largest change of a texton's size in either direction, in per cent.
@@ -75,7 +76,7 @@ pub struct SynthParams {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub enum LatticeChoice {
-    /// That of each library, if analysis found one.
+    /// That of each library, if analysis found one that is regular everywhere ([`Lattice::is_kept`]).
     #[default]
     Auto,
     /// None.
@@ -85,6 +86,18 @@ pub enum LatticeChoice {
 }
 
 impl LatticeChoice {
+    /// The lattice that a texture follows, given the one that analysis found.
+    ///
+    /// # Errors
+    /// Those of [`Lattice::new`].
+    pub fn of(&self, found: Option<&Lattice>) -> error::Result<Option<Lattice>> {
+        match self {
+            Self::Auto => Ok(found.filter(|lattice| lattice.is_kept()).cloned()),
+            Self::Off => Ok(None),
+            Self::Vectors(vectors) => Lattice::new(vectors).map(Some),
+        }
+    }
+
     /// The choice with lengths along x and y multiplied.
     pub fn scaled(&self, by: [f64; 2]) -> Self {
         match self {
@@ -307,7 +320,7 @@ impl SynthParams {
     pub const SIDE: Parameter<u32> = Parameter::new("size", [1, 100_000], "px on each side").or(1000);
     pub const CANDIDATES: Parameter<u32> = Parameter::new("candidates", [1, 1000], "").or(20);
     pub const MOVES: Parameter<u32> = Parameter::new("moves", [0, 100], "").or(5);
-    pub const ROTATE: Parameter<f64> = Parameter::new("rotate", [0.0, 180.0], "degrees").or(0.0);
+    pub const ROTATE: Parameter<f64> = Parameter::new("rotate", [0.0, 180.0], "degrees");
     pub const SCALE_JITTER: Parameter<f64> = Parameter::new("scale-jitter", [0.0, 50.0], "per cent").or(0.0);
     pub const VARIATION: Parameter<f64> = Parameter::new("variation", [0.0, 1.0], "");
     pub const BACKGROUND_SPACING: Parameter<f64> = Parameter::new("background-spacing", [4.0, 1000.0], "px");
@@ -326,7 +339,7 @@ impl Default for SynthParams {
             weights: Weights::default(),
             background_spacing: None,
             tile: Tile::default(),
-            rotate: Self::ROTATE.default(),
+            rotate: None,
             mirror: false,
             scale_jitter: Self::SCALE_JITTER.default(),
             edge: Edge::default(),
@@ -357,8 +370,13 @@ impl SynthParams {
         if let LatticeChoice::Vectors(vectors) = &self.lattice {
             Lattice::new(vectors)?;
         }
-        Self::ROTATE.check(self.rotate)?;
+        self.rotate.map_or(Ok(()), |angle| Self::ROTATE.check(angle))?;
         Self::SCALE_JITTER.check(self.scale_jitter)
+    }
+
+    /// Whether elements are turned, mirrored or resized.
+    pub fn varies(&self) -> bool {
+        self.rotate.is_some_and(|angle| angle > 0.0) || self.mirror || self.scale_jitter > 0.0
     }
 
     /// Whether a part of the method is left out.

@@ -29,7 +29,6 @@ const AT: Parameter<f64> = Parameter::new("at", [0.0, 1.0], "");
 /// A scene in motion: carried by a flow, or turned into another
 #[derive(Args)]
 #[command(
-    alias = "interp",
     override_usage = "vtex animate [OPTIONS] <SCENE> --output <FILE>\n       vtex animate [OPTIONS] <SCENE> <TO> --output <FILE>",
     after_long_help = "\
 Examples:

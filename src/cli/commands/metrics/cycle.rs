@@ -10,7 +10,7 @@ use crate::cli::table::table;
 use tiny_skia::Pixmap;
 use vtex::analyze::{Exemplar, analyze};
 use vtex::import::{ImportParams, import};
-use vtex::library::AnalyzeParams;
+use vtex::library::{AnalyzeParams, EvenLight};
 use vtex::output::png;
 use vtex::output::raster_svg::render_svg;
 use vtex::scene::{Layer, Role, Scene};
@@ -40,6 +40,7 @@ pub(super) fn run(
         }
     };
     analysis.parameters.wrap = scene.tile.both();
+    analysis.parameters.even_light = EvenLight::Off;
     let exemplar = Exemplar {
         image: png::over_white(&picture),
         copies: [1; 2],

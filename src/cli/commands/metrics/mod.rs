@@ -23,7 +23,6 @@ use vtex::metrics::SCALE;
 /// Say in numbers how alike an exemplar and a result are
 #[derive(Args)]
 #[command(
-    alias = "check",
     override_usage = "vtex metrics [OPTIONS] <EXEMPLAR> <RESULT>\n       vtex metrics [OPTIONS] <RESULT> --library <LIBRARY>",
     mut_arg("engine", |arg| arg.requires("library")),
     mut_arg("onnxruntime", |arg| arg.requires("library")),

@@ -85,7 +85,8 @@ fn draw(content: &FileContent, scale: f64, name: &str, reporter: &Reporter) -> a
             decoded.warnings.iter().for_each(|w| reporter.warn(&w.replace("the photograph", name)));
             return Ok(decoded.image);
         }
-        FileContent::Svg(bytes) => raster_svg::render_svg(bytes, scale, name, reporter)?,
+        // Up to three drawings are made of two files.
+        FileContent::Svg(bytes) => raster_svg::render_part_of(bytes, scale, (name, 1.0 / 3.0), reporter)?,
         FileContent::Scene(scene) => png::render(scene, scale)?,
         FileContent::Library(library) => png::render(&vtex::synth::reconstruct(library), scale)?,
     };

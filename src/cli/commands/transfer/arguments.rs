@@ -14,7 +14,6 @@ use vtex::transfer::{Keep, StylizeParams, TransferParams};
 /// A texture's arrangement, or a picture, in another's elements
 #[derive(Args)]
 #[command(
-    alias = "stylize",
     override_usage = "vtex transfer [OPTIONS] --structure <FILE> --appearance <FILE>...\n       \
         vtex transfer [OPTIONS] --onto <PICTURE> --appearance <FILE>",
     after_long_help = "\
@@ -33,7 +32,7 @@ where it has detail."
 pub(crate) struct TransferArgs {
     /// The texture whose arrangement is kept: a scene or a library, plain or gzip, a photograph or a drawing;
     /// - reads stdin
-    #[arg(long, value_name = "FILE", required_unless_present_any = ["onto", "picture", "dump_config"])]
+    #[arg(long, value_name = "FILE", required_unless_present_any = ["onto", "dump_config"])]
     pub(super) structure: Option<PathBuf>,
     /// A picture that is redrawn in place of a structure: PNG, JPEG, TIFF, WebP, BMP, GIF, PNM or SVG; - reads
     /// stdin
@@ -41,7 +40,7 @@ pub(crate) struct TransferArgs {
     pub(super) onto: Option<PathBuf>,
     /// The texture whose appearance is taken over: a scene or a library, plain or gzip, a photograph or a
     /// drawing; several with --map
-    #[arg(long, value_name = "FILE", num_args = 1.., required_unless_present_any = ["with", "dump_config"])]
+    #[arg(long, value_name = "FILE", num_args = 1.., required_unless_present = "dump_config")]
     pub(super) appearance: Vec<PathBuf>,
     /// Where which appearance is used: a picture with one colour for each, in the order of its palette, else
     /// from dark to light; for two, grey will do
@@ -87,12 +86,6 @@ pub(crate) struct TransferArgs {
     pub(super) render: RenderFlags,
     #[command(flatten)]
     pub(super) svg: SvgFlags,
-    /// The picture, as `stylize` named it.
-    #[arg(hide = true, conflicts_with_all = ["onto", "structure", "map", "mode", "element_scale"])]
-    pub(super) picture: Option<PathBuf>,
-    /// The appearance, as `stylize` named it.
-    #[arg(long, hide = true, conflicts_with = "appearance")]
-    pub(super) with: Option<PathBuf>,
 }
 
 /// The heading of options for a picture.

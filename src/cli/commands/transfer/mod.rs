@@ -17,9 +17,7 @@ impl Arguments for TransferArgs {
         values.add("svg", &self.svg);
     }
 
-    fn job(mut self: Box<Self>, resolved: Resolved) -> anyhow::Result<Job> {
-        self.onto = self.onto.or(self.picture.take());
-        self.appearance.extend(self.with.take());
+    fn job(self: Box<Self>, resolved: Resolved) -> anyhow::Result<Job> {
         if self.onto.is_some() {
             let job = Redrawing::new(*self, &resolved)?;
             return Ok(Box::new(move |common, reporter| onto::run(common, reporter, &job)));
