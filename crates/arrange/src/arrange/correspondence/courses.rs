@@ -96,7 +96,7 @@ impl<'a> Courses<'a> {
     fn is_in_a_row(&self, moments: &Moments) -> bool {
         let [length, thickness] = self.sides(moments);
         let thick = thickness / self.period;
-        THICKNESS[0] <= thick && thick <= THICKNESS[1] && length >= LEAST_LENGTH * thickness
+        (THICKNESS[0]..=THICKNESS[1]).contains(&thick) && length >= LEAST_LENGTH * thickness
     }
 
     /// Length along the rows and thickness of the rectangle that has the same moments, in pixels.
