@@ -250,13 +250,13 @@ fn cells_are_drawn_around_the_elements() {
     let centres: Vec<[f64; 2]> = (0..5).flat_map(|row| (-2..4).map(move |n| centre(row, n))).collect();
     let lines = lattice.cells(&centres, [120.0, 100.0]);
     let is_level = |[a, b]: &[[f64; 2]; 2]| (a[1] - b[1]).abs() < 1e-6;
-    let (rows, ends): (Vec<[[f64; 2]; 2]>, Vec<[[f64; 2]; 2]>) = lines.iter().copied().partition(is_level);
+    let (rows, ends): (Vec<_>, Vec<_>) = lines.iter().partition(|line| is_level(line));
     assert!(
-        rows.iter().all(|[a, _]| ((a[1] - 17.0) / 20.0 - libm::round((a[1] - 17.0) / 20.0)).abs() < 1e-6)
+        rows.iter().all(|&&[a, _]| ((a[1] - 17.0) / 20.0 - libm::round((a[1] - 17.0) / 20.0)).abs() < 1e-6)
     );
     assert_eq!(rows.len(), 5);
     // Each end is half-way between two bricks of its row.
-    for [a, b] in ends {
+    for &[a, b] in ends {
         assert!((a[0] - b[0]).abs() < 1e-6 && (a[1] - b[1]).abs() > 19.0);
         let row = libm::round((0.5 * (a[1] + b[1]) - 7.0) / 20.0);
         let phase = (a[0] - 13.0 - 20.0 * row) / 40.0 - 0.5;
