@@ -43,7 +43,7 @@ const SETTINGS: [(u32, usize, Setting, &str, f64); 7] = [
         3.4,
     ),
     (700, 1, |p, _| p.mirror = true, "mirrored textons", 4.0),
-    (700, 1, |p, _| (p.rotate, p.scale_jitter) = (180.0, 20.0), "turned and scaled textons", 10.0),
+    (700, 1, |p, _| (p.rotate, p.scale_jitter) = (Some(180.0), 20.0), "turned and scaled textons", 10.0),
 ];
 
 /// Limit of the time of placement on the small plain canvas, relative to the yardstick.

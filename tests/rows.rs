@@ -80,7 +80,7 @@ fn gaps_between_planks_run_on() {
     let share = |y: usize| (0..700).filter(|&x| dark(x, y)).count();
     let mut gaps: Vec<usize> = Vec::new();
     for y in 20..380 {
-        let most = (y - 14..=y + 14).map(|v| share(v)).max().unwrap();
+        let most = (y - 14..=y + 14).map(&share).max().unwrap();
         if share(y) == most && most > 200 && gaps.last().is_none_or(|last| y - last > 20) {
             gaps.push(y);
         }

@@ -60,7 +60,7 @@ use vtex_base::raster::picture::outlines;
 use vtex_base::raster::{LabelMap, Mask};
 use vtex_scene::lattice;
 use vtex_scene::library::{
-    Arrangement, Category, CategoryId, ExemplarElement, Guide, Library, Source, SourceKind,
+    Arrangement, Category, CategoryId, EvenLight, ExemplarElement, Guide, Library, Source, SourceKind,
 };
 use vtex_scene::scene::Tile;
 use vtex_segment::segment::{GivenCategory, Segmenter, details};
@@ -70,9 +70,9 @@ use vtex_segment::segment::{GivenCategory, Segmenter, details};
 /// threads.
 ///
 /// A photograph of more than `max_pixels` is reduced first. Its library has the units of the photograph all the
-/// same, and says by how much it was reduced ([`Source::scale`]). Where light falls off slowly over it, the light
-/// is taken out ([`Source::light`]). The contrast of a subtle picture is stretched; the library has its own colours all the
-/// same ([`Source::contrast`]). A small tile that was repeated is enlarged. It wraps,
+/// same, and says by how much it was reduced ([`Source::scale`]). Where light falls off slowly over it, the light is
+/// taken out ([`Source::light`]). The contrast of a subtle picture is stretched, and the library has the picture's
+/// own colours ([`Source::contrast`]). A small tile that was repeated is enlarged. It wraps,
 /// and its lattice is its size ([`Source::copies`]).
 ///
 /// An exemplar without primaries is no error. Its library holds the background, secondaries and a
@@ -136,7 +136,9 @@ fn analyzed(
     let repeated = exemplar.copies != [1; 2];
     let params = &AnalyzeParams { wrap: params.wrap || repeated, ..params.clone() };
     let mut reduced = reduced::reduced(exemplar, segmenter, params, progress)?;
-    let light = if repeated { None } else { Light::of(&reduced.image, params.even_light) };
+    // What wraps does not become darker towards a border, and its seam would show what is taken out.
+    let wraps = params.wrap && params.even_light == EvenLight::Auto;
+    let light = if repeated || wraps { None } else { Light::of(&reduced.image, params.even_light) };
     if let Some(light) = &light {
         reduced.to_mut().image = light.taken_out(&reduced.image);
     }

@@ -116,7 +116,7 @@ def analyze(
         only. Results have the picture's own colours.
     even_light : {"auto", "on", "off"}, default "auto"
         Whether slow changes of light, such as of a plate lit from one side, are taken out before the analysis.
-        ``"auto"`` does so where they are seen.
+        ``"auto"`` does so where they are seen, unless the picture wraps.
     wrap : bool, optional
         Whether opposite borders join, so that what they cut is one element. Default: where they are seen
         to.

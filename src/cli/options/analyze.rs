@@ -96,7 +96,7 @@ pub(crate) struct AnalyzeFlags {
     #[arg(takes = format!("auto, off, or {}, default: auto", AnalyzeParams::CONTRAST))]
     pub(crate) contrast: Option<Contrast>,
     /// Take slow changes of light out before the analysis, such as of a plate lit from one side. auto: where
-    /// they are seen, but for vectorize [auto, on or off; alone: on; default: auto]
+    /// they are seen, but not in a picture that wraps and not for vectorize [auto, on or off; alone: on; default: auto]
     #[arg(long, value_name = "WHETHER", num_args = 0..=1, require_equals = true, default_missing_value = "on")]
     #[arg(hide_possible_values = true)]
     #[arg(value_parser = one_of(&["auto", "on", "off"], named::<EvenLight>))]

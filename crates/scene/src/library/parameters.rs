@@ -82,7 +82,7 @@ pub struct AnalyzeParams {
     #[serde(skip_serializing_if = "Contrast::is_default")]
     pub contrast: Contrast,
     /// Whether a slow change of light over a photograph is taken out before it is analysed; it does not come back. Default
-    /// auto, which is not stored.
+    /// auto (where it is seen and the photograph does not wrap), which is not stored.
     #[serde(skip_serializing_if = "EvenLight::is_default")]
     pub even_light: EvenLight,
     /// Whether the exemplar tiles, that is, its opposite borders join. The parts of an element that a border

@@ -5,6 +5,7 @@
 //! row to fill its place.
 
 use super::mapped::{Moments, STRETCH};
+use super::rows::{Ends, Rows};
 use crate::arrange::grid::Grid;
 use crate::arrange::model::{Content, PlaceableId, PlacementModel, VariantId};
 use vtex_scene::lattice::{Lattice, Phases};
@@ -25,9 +26,8 @@ const LEAST_STRETCH: f64 = 0.015;
 pub(super) struct Courses<'a> {
     canvas: &'a Phases,
     library: usize,
-    /// Direction of the rows, and the distance between them in pixels.
-    unit: [f64; 2],
-    period: f64,
+    /// In pixels.
+    rows: Rows,
     /// Phase of their middles.
     middle: f64,
     /// Usual width of the joints between elements of a row, and their usual length, in pixels.
@@ -55,11 +55,8 @@ impl<'a> Courses<'a> {
         library: usize,
         (lattice, canvas): &'a (Lattice, Phases),
     ) -> Option<Self> {
-        let [vector] = lattice.vectors[..] else { return None };
-        let period = libm::hypot(vector[0], vector[1]);
-        let unit = [-vector[1] / period, vector[0] / period];
-        let wave = vector.map(|c| c / (period * period));
-        let mut this = Self { canvas, library, unit, period, middle: 0.0, joint: 0.0, length: 0.0 };
+        let rows = Rows::of(lattice, 1.0)?;
+        let mut this = Self { canvas, library, rows, middle: 0.0, joint: 0.0, length: 0.0 };
         let (mut all, mut in_rows, mut sum) = (0.0, 0.0, [0.0; 2]);
         let mut laid = Vec::new();
         for id in model.sources[library].elements.clone() {
@@ -73,7 +70,7 @@ impl<'a> Courses<'a> {
             }
             in_rows += area;
             let place = [0, 1].map(|k| moments.middle[k] + f64::from(element.origin[k]));
-            let phase = place[0] * wave[0] + place[1] * wave[1];
+            let [_, phase] = rows.place(place);
             let (sine, cosine) = libm::sincos(std::f64::consts::TAU * phase);
             sum = [sum[0] + area * cosine, sum[1] + area * sine];
             laid.push((phase, this.ends(&moments, place)));
@@ -95,20 +92,20 @@ impl<'a> Courses<'a> {
 
     fn is_in_a_row(&self, moments: &Moments) -> bool {
         let [length, thickness] = self.sides(moments);
-        let thick = thickness / self.period;
+        let thick = thickness / self.rows.period;
         (THICKNESS[0]..=THICKNESS[1]).contains(&thick) && length >= LEAST_LENGTH * thickness
     }
 
     /// Length along the rows and thickness of the rectangle that has the same moments, in pixels.
     fn sides(&self, moments: &Moments) -> [f64; 2] {
-        let [x, y] = self.unit;
+        let [x, y] = self.rows.along;
         [[x, y], [-y, x]].map(|way| libm::sqrt(12.0 * moments.variance(way)))
     }
 
     /// The ends of an element along the rows, with its middle at a place.
     fn ends(&self, moments: &Moments, place: [f64; 2]) -> [f64; 2] {
         let [length, _] = self.sides(moments);
-        let along = place[0] * self.unit[0] + place[1] * self.unit[1];
+        let [along, _] = self.rows.place(place);
         [along - 0.5 * length, along + 0.5 * length]
     }
 
@@ -121,15 +118,7 @@ impl<'a> Courses<'a> {
         wrap: [bool; 2],
     ) {
         let wave = self.canvas.waves[0];
-        let size = grid.canvas();
-        // Number of rows where the last is followed by the first, and length of rows whose ends meet.
-        let turns = [0, 1].map(|k| if wrap[k] { (wave[k] * size[k]).abs() } else { 0.0 });
-        if turns.iter().all(|turn| *turn > 0.5) {
-            return;
-        }
-        let rows = turns.iter().map(|turn| libm::round(*turn) as i64).find(|&rows| rows > 0);
-        let closes = (0..2).find(|&k| wrap[k] && self.unit[k].abs() > 0.5);
-        let around = closes.map(|k| size[k] / self.unit[k].abs());
+        let Some(canvas) = Ends::of(&self.rows, wave, grid.canvas(), wrap) else { return };
         let place_of = |moments: &Moments, at: [i32; 2]| {
             [0, 1].map(|k| moments.middle[k] + f64::from(at[k] - grid.margin[k]))
         };
@@ -141,8 +130,7 @@ impl<'a> Courses<'a> {
                 continue;
             }
             let place = place_of(&moments, at);
-            let row = libm::round(place[0] * wave[0] + place[1] * wave[1] - self.middle) as i64;
-            let row = rows.map_or(row, |rows| row.rem_euclid(rows));
+            let row = canvas.row(libm::round(place[0] * wave[0] + place[1] * wave[1] - self.middle));
             let ends = self.ends(&moments, place);
             let fixed = matches!(element.content, Content::Fused(_)) || element.clipped;
             laid.push(Laid { index, row, ends, new: ends, fixed });
@@ -152,7 +140,7 @@ impl<'a> Courses<'a> {
         });
         for row in laid.chunk_by_mut(|a, b| a.row == b.row) {
             for _ in 0..ROUNDS {
-                self.meet(row, around);
+                self.meet(row, canvas.around);
             }
         }
         for one in laid.iter().filter(|one| !one.fixed) {
@@ -160,13 +148,13 @@ impl<'a> Courses<'a> {
             let [before, after] =
                 [one.ends, one.new].map(|ends| [ends[1] - ends[0], 0.5 * (ends[0] + ends[1])]);
             let (stretch, moved) = (after[0] / before[0], after[1] - before[1]);
-            let way = self.unit.map(|c| c * moved);
+            let way = self.rows.along.map(|c| c * moved);
             if libm::fabs(stretch - 1.0) < LEAST_STRETCH {
                 elements[one.index].1 = [0, 1].map(|k| at[k] + libm::round(way[k]) as i32);
                 continue;
             }
             let element = *model.element(variant);
-            let [x, y] = self.unit;
+            let [x, y] = self.rows.along;
             let longer = stretch - 1.0;
             let map = match element.content {
                 Content::Mapped(map) => model.maps[map as usize],

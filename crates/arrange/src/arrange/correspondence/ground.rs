@@ -127,7 +127,9 @@ impl Correspondence {
         let margin = self.margin;
         let on_canvas = |at: [i32; 2]| {
             let at = [0, 1].map(|k| at[k] - margin[k] * cell);
-            (0..2).all(|k| (0..[width, height][k] as i32).contains(&at[k])).then_some(at)
+            let on_canvas = (0..2).all(|k| (0..[width, height][k] as i32).contains(&at[k]));
+            // What is not to be filled is not bare.
+            (on_canvas && map.inside([0, 1].map(|k| at[k] + map.grid.margin[k]))).then_some(at)
         };
         let canvas = Layout::new(&canvas, cell, size, self.field.wrap, on_canvas);
         for (number, library) in libraries.iter().enumerate() {

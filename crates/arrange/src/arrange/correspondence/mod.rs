@@ -29,6 +29,7 @@ mod likeness;
 mod mapped;
 mod pages;
 mod resolve;
+mod rows;
 mod secondaries;
 mod shares;
 mod similar;

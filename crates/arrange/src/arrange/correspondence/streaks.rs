@@ -7,6 +7,7 @@
 //! alike.
 
 use super::pages::Pages;
+use super::rows::{Ends, Rows};
 use vtex_base::parallel;
 use vtex_base::raster::LabelMap;
 use vtex_field::correspondence::{CellSource, CorrespondenceField, ExemplarPage};
@@ -48,14 +49,10 @@ pub(super) struct Streaks {
 impl Streaks {
     /// The joints of an exemplar's rows; `None` if these have none that are streaks.
     pub(super) fn find(labels: &LabelMap, lattice: &Lattice) -> Option<Self> {
-        let [vector] = lattice.vectors[..] else { return None };
-        let period = libm::hypot(vector[0], vector[1]);
-        let wave = vector.map(|c| c / (period * period));
-        let unit = [-vector[1] / period, vector[0] / period];
-        let place = |i: usize| {
-            let at = [i % labels.width as usize, i / labels.width as usize].map(|v| v as f64 + 0.5);
-            [at[0] * unit[0] + at[1] * unit[1], at[0] * wave[0] + at[1] * wave[1]]
-        };
+        let rows = Rows::of(lattice, 1.0)?;
+        let width = labels.width as usize;
+        let place = |i: usize| rows.place([i % width, i / width].map(|v| v as f64 + 0.5));
+        let period = rows.period;
         let is_streak = streaks(labels, period, place);
         let on_streaks = || {
             let all = labels.labels.iter().enumerate().filter(|(_, label)| is_streak[**label as usize]);
@@ -98,30 +95,23 @@ impl Streaks {
         (lattice, phases): (&Lattice, &Phases),
         margin: [i32; 2],
     ) {
-        let ([vector], [wave], [page]) = (&lattice.vectors[..], &phases.waves[..], &pages.pages[..]) else {
+        let cell = f64::from(pages.cell);
+        let (Some(rows), [wave], [page]) = (Rows::of(lattice, cell), &phases.waves[..], &pages.pages[..])
+        else {
             return;
         };
-        let cell = f64::from(pages.cell);
-        let period = libm::hypot(vector[0], vector[1]) / cell;
-        let normal = vector.map(|c| c / (period * cell));
-        let unit = [-normal[1], normal[0]];
         let sheet = &pages.sheets[0];
         let exemplar = Exemplar {
             page,
             size: [0, 1].map(|k| (sheet.size[k] / pages.cell) as i64),
             repeats: !sheet.is_exemplar() && (0..2).all(|k| sheet.size[k] % pages.cell == 0),
-            wave: normal.map(|c| c / period),
+            rows,
             middle: self.middle,
-            astray: ASTRAY / period,
         };
         let wave = wave.map(|w| w * cell);
-        let turns = [0, 1].map(|k| if field.wrap[k] { wave[k].abs() * field.size[k] as f64 } else { 0.0 });
-        if turns.iter().all(|turn| *turn > 0.5) {
-            return;
-        }
-        // Number of rows, where the last is followed by the first.
-        let rows = turns.iter().map(|turn| libm::round(*turn) as i64).find(|&rows| rows > 0);
-        let reach = self.reach + BESIDE / period;
+        let Some(ends) = Ends::of(&rows, wave, field.size.map(|v| v as f64), field.wrap) else { return };
+        let spacing = 1.0 / libm::hypot(wave[0], wave[1]);
+        let reach = self.reach + BESIDE / rows.period;
         let mut joints: Vec<JointCell> = Vec::new();
         for y in 0..field.size[1] {
             for x in 0..field.size[0] {
@@ -129,10 +119,10 @@ impl Streaks {
                 let phase = at[0] * wave[0] + at[1] * wave[1] - self.middle;
                 let row = libm::round(phase);
                 if (phase - row).abs() <= reach {
-                    let along = at[0] * unit[0] + at[1] * unit[1];
-                    let own = rows.map_or(row as i64, |rows| (row as i64).rem_euclid(rows));
+                    let [along, _] = rows.place(at);
+                    let own = ends.row(row);
                     // A joint at the border that repeats has cells at both ends of the canvas.
-                    let beyond = (own - row as i64) as f64 / libm::hypot(wave[0], wave[1]);
+                    let beyond = (own - row as i64) as f64 * spacing;
                     joints.push(JointCell { row: own, along, beyond, off: phase - row, at: [x, y] });
                 }
             }
@@ -140,22 +130,22 @@ impl Streaks {
         joints.sort_by(|a, b| {
             a.row.cmp(&b.row).then(a.along.total_cmp(&b.along)).then(a.off.total_cmp(&b.off))
         });
-        let across = libm::hypot(wave[0], wave[1]);
         let extent =
             |by: [f64; 2]| exemplar.size[0] as f64 * by[0].abs() + exemplar.size[1] as f64 * by[1].abs();
-        let (count, length) = (libm::ceil(extent(normal) / period) as i64, libm::ceil(extent(unit)) as i64);
+        let (count, length) =
+            (libm::ceil(extent(rows.across) / rows.period) as i64, libm::ceil(extent(rows.along)) as i64);
         let longest = joints.iter().map(|c| c.along.abs()).fold(0.0, f64::max) as i64;
         let steps = if exemplar.repeats { 0..=length } else { -longest - length..=longest + length };
-        let closes = (0..2).any(|k| field.wrap[k] && unit[k].abs() > 0.5);
         // Each joint of the exemplar is shown as often as the others, as far as possible.
-        let kinds = libm::round(extent(normal) / period).max(1.0);
+        let kinds = libm::round(extent(rows.across) / rows.period).max(1.0);
         let mut shown = Shown { cells: Vec::new(), most: (joints.len() as f64 / kinds) as usize };
         for joint in joints.chunk_by(|a, b| a.row == b.row) {
-            let run = Runs { exemplar: &exemplar, field, margin, normal, closes, joint };
+            let run = Runs { exemplar: &exemplar, field, margin, closes: ends.around.is_some(), joint };
             // Offsets from the canvas to joints of the exemplar.
             let offsets = (-count..=count).flat_map(|k| {
-                let over = (self.middle + k as f64) * period - (self.middle + joint[0].row as f64) / across;
-                let offset = move |s: i64| [0, 1].map(|i| over * normal[i] + s as f64 * unit[i]);
+                let over =
+                    (self.middle + k as f64) * rows.period - (self.middle + joint[0].row as f64) * spacing;
+                let offset = move |s: i64| [0, 1].map(|i| over * rows.across[i] + s as f64 * rows.along[i]);
                 steps.clone().map(offset)
             });
             let sources = run.found(&offsets.collect::<Vec<_>>(), &mut shown);
@@ -209,12 +199,10 @@ struct Exemplar<'a> {
     /// Size of the exemplar, in cells; the page is larger if it repeats.
     size: [i64; 2],
     repeats: bool,
-    /// Periods for a cell, by axis.
-    wave: [f64; 2],
+    /// In cells.
+    rows: Rows,
     /// Phase of the joints' middles.
     middle: f64,
-    /// Farthest from it that a source may be, in periods.
-    astray: f64,
 }
 
 impl Exemplar<'_> {
@@ -224,9 +212,9 @@ impl Exemplar<'_> {
         if (0..2).any(|k| !(0..self.size[k]).contains(&at[k])) {
             return None;
         }
-        let [x, y] = at.map(|v| v as f64 + 0.5);
-        let strays = x * self.wave[0] + y * self.wave[1] - self.middle - off;
-        if (strays - libm::round(strays)).abs() > self.astray {
+        let [_, phase] = self.rows.place(at.map(|v| v as f64 + 0.5));
+        let strays = phase - self.middle - off;
+        if (strays - libm::round(strays)).abs() > ASTRAY / self.rows.period {
             return None;
         }
         let source = CellSource { page: 0, at: at.map(|v| v as u16) };
@@ -235,8 +223,8 @@ impl Exemplar<'_> {
 
     /// The number of the joint that a cell is on.
     fn joint(&self, source: CellSource) -> i64 {
-        let [x, y] = source.at.map(|v| f64::from(v) + 0.5);
-        libm::round(x * self.wave[0] + y * self.wave[1] - self.middle) as i64
+        let [_, phase] = self.rows.place(source.at.map(|v| f64::from(v) + 0.5));
+        libm::round(phase - self.middle) as i64
     }
 
     fn index(&self, source: CellSource) -> usize {
@@ -276,8 +264,6 @@ struct Runs<'a> {
     exemplar: &'a Exemplar<'a>,
     field: &'a CorrespondenceField,
     margin: [i32; 2],
-    /// Direction across the rows.
-    normal: [f64; 2],
     /// Whether its last cells are beside its first ones.
     closes: bool,
     /// Its cells in order of their places along it.
@@ -289,7 +275,7 @@ impl Runs<'_> {
     fn source(&self, k: usize, offset: [f64; 2]) -> Option<CellSource> {
         let JointCell { at, off, beyond, .. } = self.joint[k];
         let place = [0, 1].map(|i| {
-            let moved = libm::round(offset[i] + beyond * self.normal[i]) as i64;
+            let moved = libm::round(offset[i] + beyond * self.exemplar.rows.across[i]) as i64;
             at[i] as i64 - i64::from(self.margin[i]) + moved
         });
         self.exemplar.cell(place, off)
