@@ -89,7 +89,8 @@ def synthesize(
     tile : bool or {"none", "both", "x", "y"}, default "none"
         Axes along which it repeats without a seam.
     rotate : float, optional
-        Largest angle by which elements are turned either way, 0 to 180 degrees. Default: 0.
+        Largest angle by which elements are turned either way, 0 to 180 degrees. Default: 0, but small photographs
+        without a direction are turned and mirrored.
     mirror : bool, default False
         Whether half of the elements are mirrored.
     scale_jitter : float, default 0.0

@@ -75,8 +75,9 @@ pub(crate) struct SynthFlags {
     #[arg(long, value_name = "AXES", num_args = 0..=1, require_equals = true, default_missing_value = "both")]
     #[arg(value_parser = one_of(&Axes::NAMES, str::parse::<Axes>), hide_possible_values = true)]
     pub(crate) tile: Option<Axes>,
-    /// Turn each element by a random angle, at most this much either way
-    #[arg(long, number_or(SynthParams::ROTATE, "0"))]
+    /// Turn each element by a random angle, at most this much either way. Default: 0, but small photographs
+    /// without a direction are turned and mirrored
+    #[arg(long, number_or(SynthParams::ROTATE, "see above"))]
     pub(crate) rotate: Option<f64>,
     /// Mirror half of the elements [default: false]
     #[arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true")]

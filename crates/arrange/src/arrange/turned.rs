@@ -1,21 +1,26 @@
 //! Small photographs: where few elements are whole, the exemplar is turned and mirrored, so that each is seen in several
 //! ways.
 //!
-//! Only where nobody would notice: light from one side makes slopes of lightness on one side of things steeper than on
-//! the other, so the derivative of lightness is skewed along its direction; and structure with a direction, such as
-//! courses or blades of grass, has stronger derivatives across it (the structure tensor of Förstner and Gülch, 1987).
+//! Only where nobody would notice. Light from one side makes slopes of lightness on one side of things steeper than on
+//! the other, so the derivative of lightness is skewed along its direction. Structure with a direction, such as courses
+//! or blades of grass, has stronger derivatives across it (the structure tensor of Förstner and Gülch, 1987); structure
+//! with two directions at right angles, such as tiles, has them across both, which the same mean shows with four times
+//! the angle in place of twice.
 
 use serde::Serialize;
 use vtex_base::raster::colour::oklab;
-use vtex_scene::lattice::Lattice;
 use vtex_scene::library::{Guide, Library, SourceKind};
 
-/// Whole elements below which an exemplar is turned: the number of equal ones that would cover as much. 0, so none is
-/// by default yet: scenes of turned exemplars do not survive being saved to the last digit.
-const FEW: f64 = 0.0;
-/// Greatest anisotropy of the structure tensor, 0 to 1, and greatest skewness of the derivatives, for any turn.
+/// Whole elements below which an exemplar is turned: the number of equal ones that would cover as much.
+const FEW: f64 = 30.0;
+/// Greatest anisotropy, 0 to 1, with one direction and with two at right angles, and greatest skewness of the
+/// derivatives, for any turn.
 const ANISOTROPY: f64 = 0.13;
+const RIGHT_ANGLES: f64 = 0.12;
 const SKEWNESS: f64 = 0.4;
+/// Weights beside and on the axis of a derivative that is nearly the same in all directions (Scharr, "Optimal Operators in
+/// Digital Image Processing", 2000).
+const WEIGHTS: [f64; 2] = [3.0 / 16.0, 10.0 / 16.0];
 /// Directions in which the skewness is measured.
 const DIRECTIONS: usize = 12;
 
@@ -36,15 +41,15 @@ impl Turned {
     }
 }
 
-/// How exemplars are turned by default: only a single photograph with few whole elements and without rows, layers or
-/// repeated copies.
+/// How exemplars are turned by default: only a single photograph with few whole elements and without layers, repeated
+/// copies or anything regular.
 pub(super) fn by_default(libraries: &[Library]) -> Option<Turned> {
     let [library] = libraries else { return None };
     let suits = library.source.kind == SourceKind::Photograph
         && library.source.copies == [1; 2]
         && !library.arrangement.periodic
         && !library.is_layered()
-        && !library.lattice.as_ref().is_some_and(Lattice::is_kept);
+        && library.lattice.is_none();
     if !suits || equal_ones(library) >= FEW {
         return None;
     }
@@ -67,9 +72,11 @@ fn allowed(guide: &Guide) -> Option<Turned> {
     let at = |x: u32, y: u32| lightness[(y * width + x) as usize];
     let mut slopes = Vec::new();
     for y in 1..height.saturating_sub(1) {
-        slopes.extend(
-            (1..width.saturating_sub(1)).map(|x| [at(x + 1, y) - at(x - 1, y), at(x, y + 1) - at(x, y - 1)]),
-        );
+        slopes.extend((1..width.saturating_sub(1)).map(|x| {
+            let side = |of: &dyn Fn(u32) -> f64| WEIGHTS[0] * (of(0) + of(2)) + WEIGHTS[1] * of(1);
+            let across = side(&|k| at(x + 1, y + k - 1)) - side(&|k| at(x - 1, y + k - 1));
+            [across, side(&|k| at(x + k - 1, y + 1)) - side(&|k| at(x + k - 1, y - 1))]
+        }));
     }
     let mean =
         |of: &dyn Fn(&[f64; 2]) -> f64| slopes.iter().map(of).sum::<f64>() / slopes.len().max(1) as f64;
@@ -82,8 +89,15 @@ fn allowed(guide: &Guide) -> Option<Turned> {
         (mean(&|s| along(s) * along(s) * along(s)) / (square * libm::sqrt(square))).abs()
     };
     let anisotropy = libm::hypot(xx - yy, 2.0 * xy) / trace;
+    // The square of the derivative as a complex number, over its length.
+    let twice = |[x, y]: &[f64; 2]| {
+        let [re, im, length] = [x * x - y * y, 2.0 * x * y, (x * x + y * y).max(1e-12)];
+        [(re * re - im * im) / length, 2.0 * re * im / length]
+    };
+    let right_angles = libm::hypot(mean(&|s| twice(s)[0]), mean(&|s| twice(s)[1])) / trace;
     let all = (0..DIRECTIONS).map(|k| skewness(std::f64::consts::PI * k as f64 / DIRECTIONS as f64));
-    if anisotropy <= ANISOTROPY && all.fold(0.0, f64::max) <= SKEWNESS {
+    let has_direction = anisotropy > ANISOTROPY || right_angles > RIGHT_ANGLES;
+    if !has_direction && all.fold(0.0, f64::max) <= SKEWNESS {
         return Some(Turned::Freely);
     }
     let is_symmetric = (2.0 * xy / trace).abs() <= ANISOTROPY && skewness(0.0) <= SKEWNESS;
@@ -96,6 +110,12 @@ mod tests {
     use image::{Rgb, RgbImage};
     use vtex_base::sampling::stream;
     use vtex_scene::library::Picture;
+
+    /// Tiles of several tones.
+    fn tiles() -> Guide {
+        let tone = |x: u32, y: u32| Rgb([90 + ((x / 16 * 7 + y / 16 * 11) % 5 * 20) as u8; 3]);
+        Guide { cell: 4, picture: Picture(RgbImage::from_fn(80, 80, tone)) }
+    }
 
     /// Domes lit from a direction, or flat disks, stretched along x.
     fn guide(light: [f64; 2], stretch: f64) -> Guide {
@@ -121,5 +141,6 @@ mod tests {
         assert_eq!(allowed(&guide([0.0, 1.0], 1.0)), Some(Turned::Mirrored));
         assert_eq!(allowed(&guide([0.7, 0.7], 1.0)), None);
         assert_eq!(allowed(&guide([0.0; 2], 2.5)), Some(Turned::Mirrored));
+        assert_ne!(allowed(&tiles()), Some(Turned::Freely));
     }
 }

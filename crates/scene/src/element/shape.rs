@@ -148,10 +148,13 @@ impl Shape {
     /// The shape with a map that preserves angles applied. The outline stays as it was where the map
     /// leads beyond ±10⁷ pixels.
     pub fn moved(&self, affine: Affine) -> Self {
+        let ellipse = self.ellipse.as_ref().and_then(|ellipse| ellipse.moved(affine));
+        // Files hold an ellipse without its outline, so this is that of the moved ellipse.
+        let rim_of_ellipse = ellipse.as_ref().and_then(Ellipse::outline);
         Self {
-            outline: self.outline.moved(affine),
+            outline: rim_of_ellipse.unwrap_or_else(|| self.outline.moved(affine)),
             line: self.line.as_ref().and_then(|line| line.moved(affine)).map(Box::new),
-            ellipse: self.ellipse.as_ref().and_then(|ellipse| ellipse.moved(affine)).map(Box::new),
+            ellipse: ellipse.map(Box::new),
             gradient: self.gradient.as_ref().map(|g| Box::new(g.moved(affine))),
             rim: self.rim.as_ref().map(|rim| Box::new(rim.moved(affine))),
             ..*self

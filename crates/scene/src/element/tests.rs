@@ -1,7 +1,7 @@
 //! Shapes as files hold them.
 
 use super::*;
-use vtex_base::geometry::{Affine, Curve, parse_path};
+use vtex_base::geometry::{Affine, Curve, parse_path, rotation};
 use vtex_base::raster::colour::Colour;
 
 fn curve(text: &str) -> Curve {
@@ -29,6 +29,16 @@ fn filled_and_stroked_shapes_are_read_as_they_were_written() {
     let text = serde_json::to_string(&stroked).unwrap();
     assert!(!text.contains("outline") && text.contains("\"dashes\":[3.0,1.0]"), "{text}");
     assert_eq!(again(&stroked), stroked);
+}
+
+#[test]
+fn moved_ellipses_are_read_as_they_were_written() {
+    let ellipse = Ellipse { centre: [4.0, 3.0], matrix: [2.0, 0.5, 1.0], profile: Profile::Sharp };
+    let soft = Shape::of_ellipse(ellipse, Colour([7; 3])).unwrap();
+    for turn in [0.4, -2.0, 3.1] {
+        let moved = soft.moved(Affine::translate((3.3, -0.7)) * rotation(turn) * Affine::FLIP_X);
+        assert_eq!(again(&moved), moved);
+    }
 }
 
 #[test]
