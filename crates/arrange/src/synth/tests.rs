@@ -347,8 +347,9 @@ mod carried {
             );
             let structure = report.structure.unwrap();
             assert!((structure.wanted - report.coverage).abs() < 0.04, "{structure:?} {}", report.coverage);
-            assert!(structure.fused_share < 0.55 * structure.wanted, "{structure:?}");
-            assert!(structure.empty < 0.03 && structure.unwanted < 0.05, "{structure:?}");
+            // Elements stay whole, for which gaps of a few pixels are left between them.
+            assert!(structure.fused_share < 0.1 * structure.wanted, "{structure:?}");
+            assert!(structure.empty < 0.035 && structure.unwanted < 0.05, "{structure:?}");
             // Fused elements are no larger than elements.
             let areas = library.primaries().iter().map(|p| p.outline().area());
             let largest = areas.fold(0.0, f64::max);

@@ -1,13 +1,13 @@
 //! The map from a scene to its warped form.
 
-use kurbo::{ParamCurve, Shape};
+use kurbo::Shape;
 use vtex_base::Parameter;
 use vtex_base::error::Result;
-use vtex_base::geometry::{BezPath, Cage, Outline, PathEl, Point};
+use vtex_base::geometry::{Cage, Outline, PathEl, Point};
 use vtex_scene::scene::{Element, Instance, Scene};
 
-/// Pieces into which each segment of a domain is cut before it is bent.
-const PIECES: usize = 16;
+/// Longest segment of a domain that is bent as one, in pixels.
+const LONGEST: f64 = 16.0;
 
 /// A bend: the image of each point, the part of the scene that is kept, and the resulting canvas.
 #[derive(Clone, Debug)]
@@ -104,33 +104,10 @@ impl Bend {
     /// The domain of the result; `None` if it is the whole canvas.
     pub(super) fn domain(&self, scene: &Scene) -> Option<Outline> {
         match (&scene.domain, &self.how) {
-            (Some(domain), _) => {
-                let mut path = BezPath::new();
-                let mut start = true;
-                let bent = |p: Point| {
-                    let [x, y] = self.point([p.x, p.y]);
-                    Point::new(x, y)
-                };
-                let rings = domain.outline.path().elements().chunk_by(|_, e| !matches!(e, PathEl::MoveTo(_)));
-                for ring in rings {
-                    for segment in BezPath::from_vec(ring.to_vec()).segments() {
-                        for i in 0..PIECES {
-                            let p = bent(segment.eval(i as f64 / PIECES as f64));
-                            if start {
-                                path.move_to(p)
-                            } else {
-                                path.line_to(p)
-                            }
-                            start = false;
-                        }
-                    }
-                    if !start {
-                        path.close_path();
-                    }
-                    start = true;
-                }
-                Outline::new(&path)
-            }
+            (Some(domain), _) => domain.outline.carried(LONGEST, |p| {
+                let [x, y] = self.point([p.x, p.y]);
+                Point::new(x, y)
+            }),
             (None, BendKind::Caged { after, .. }) => Some(after.clone()),
             (None, BendKind::Scaled(_)) => None,
         }

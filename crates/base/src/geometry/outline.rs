@@ -1,7 +1,7 @@
 //! A closed outline with holes: the shape of a texton.
 
 use super::{parse_path, path_text, write_path};
-use kurbo::{Affine, BezPath, PathEl, Point, Rect, Shape};
+use kurbo::{Affine, BezPath, ParamCurve, PathEl, PathSeg, Point, Rect, Shape};
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -86,6 +86,34 @@ impl Outline {
         Self::new(&(affine * &self.0)).unwrap_or_else(|| self.clone())
     }
 
+    /// The outline with its points mapped; segments longer than `longest` are cut first, so that they follow the map.
+    /// `None` if it leads out of the permitted coordinates.
+    pub fn carried(&self, longest: f64, map: impl Fn(Point) -> Point) -> Option<Self> {
+        let mut path = BezPath::new();
+        for (i, element) in self.0.elements().iter().enumerate() {
+            let segment = match *element {
+                PathEl::MoveTo(p) => {
+                    path.move_to(map(p));
+                    continue;
+                }
+                PathEl::ClosePath => {
+                    path.close_path();
+                    continue;
+                }
+                _ => self.0.get_seg(i)?,
+            };
+            let pieces = libm::ceil(segment.start().distance(segment.end()) / longest).max(1.0);
+            for k in 0..pieces as usize {
+                match segment.subsegment(k as f64 / pieces..(k + 1) as f64 / pieces) {
+                    PathSeg::Line(line) => path.line_to(map(line.p1)),
+                    PathSeg::Quad(quad) => path.quad_to(map(quad.p1), map(quad.p2)),
+                    PathSeg::Cubic(cubic) => path.curve_to(map(cubic.p1), map(cubic.p2), map(cubic.p3)),
+                }
+            }
+        }
+        Self::new(&path)
+    }
+
     /// Bounding box of the transformed outline.
     pub fn bounds_after(&self, affine: Affine) -> Rect {
         (affine * &self.0).bounding_box()
@@ -159,5 +187,16 @@ mod tests {
         let of = |text: &str| Outline::new(&parse_path(text).unwrap()).unwrap();
         assert_eq!(of("M1 3l9 0 0 9zh-4v5M20 20h5v5"), of("M1 3h9v9zM1 3h-4v5zM20 20h5v5z"));
         assert_eq!(of("M1 3l9 0 0 9zH1 3"), of("M1 3h9v9zM1 3H3z"));
+    }
+
+    #[test]
+    fn carried_outlines_follow_the_map_between_their_points() {
+        let square = Outline::new(&parse_path("M0 0h10v10h-10zM3 3v2h2v-2z").unwrap()).unwrap();
+        assert_eq!(square.carried(100.0, |p| p), Some(square.clone()));
+        // The upper side is bent up to a height of 1 in its middle.
+        let arched = |p: Point| Point::new(p.x, p.y - p.x * (10.0 - p.x) * (10.0 - p.y) / 250.0);
+        let area = |longest: f64| square.carried(longest, arched).unwrap().area() - square.area();
+        assert!((area(0.5) - 6.6).abs() < 0.5 && area(100.0).abs() < 0.5, "{} {}", area(0.5), area(100.0));
+        assert_eq!(square.carried(1.0, |_| Point::new(1e9, 0.0)), None);
     }
 }

@@ -670,7 +670,7 @@ fn ids(scene: &Scene) -> Vec<String> {
 
 /// The title of an element among the symbols of an editor.
 fn title(element: &Element, category_name: Option<&str>) -> String {
-    let part = if element.fused { "Fused, mostly of element" } else { "Element" };
+    let part = if element.fused { "Made of element" } else { "Element" };
     let number = element.source.map_or(String::new(), |source| format!(" {}", source.0));
     let category = element.category.map_or(String::new(), |c| format!(", category {c}"));
     let name = category_name.map_or(String::new(), |name| format!(" ({name})"));

@@ -192,8 +192,8 @@ pub struct Element {
     /// Its category in that library, if it has one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub category: Option<CategoryId>,
-    /// Whether it is made of parts of several elements of the library, or of a part of one, instead of being
-    /// one of them. Then `source` is the one that most of it comes from.
+    /// Whether it has shapes of its own instead of those of an element of the library: it was bent to its place, or
+    /// fused of parts of several, or of a part of one. Then `source` is the one that all or most of it comes from.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub fused: bool,
     /// The outline of the whole, if that is not the outline of the first shape.

@@ -9,7 +9,7 @@
 use super::instances::{PixelInstance, PrimaryPixels};
 use crate::arrange::model::PlacementModel;
 use vtex_base::geometry::{Affine, FittedMap, Interior, Outline, PlanarMap, Point, Scale};
-use vtex_base::raster::colour::{Colour, squared_distance};
+use vtex_base::raster::colour::Colour;
 use vtex_base::raster::{LabelMap, Mask, Span};
 use vtex_scene::element::Gradient;
 use vtex_scene::library::{self, Library};
@@ -62,7 +62,7 @@ pub(super) fn fused(
     for (k, placed) in parts.iter().enumerate() {
         let own = on_map(&placed.mask, corner);
         // A part of another colour, such as the heart of a flower, keeps its own paint.
-        if k > 0 && colour_distance(placed.primary.base(), parts[0].primary.base()) > ONE_PAINT {
+        if k > 0 && placed.primary.base().colour.distance(parts[0].primary.base().colour) > ONE_PAINT {
             let label = details.joined(placed, placed.primary.base());
             fill(&mut labels, &own, label);
         }
@@ -127,8 +127,9 @@ impl<'a> Details<'a> {
     /// across the seam, or a new one.
     fn joined(&mut self, part: &'a PlacedPart<'a>, detail: &'a Shape) -> u32 {
         let others = self.list.iter().enumerate().filter(|(_, known)| !std::ptr::eq(known.0, part));
-        let near =
-            others.map(|(k, known)| (colour_distance(known.1, detail), k)).filter(|(d, _)| *d <= SAME_COLOUR);
+        let near = others
+            .map(|(k, known)| (known.1.colour.distance(detail.colour), k))
+            .filter(|(d, _)| *d <= SAME_COLOUR);
         let known = near.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let index = known.map_or(self.list.len(), |(_, k)| k);
         if index == self.list.len() {
@@ -235,12 +236,6 @@ impl<'a> PlacedPart<'a> {
     }
 }
 
-/// Distance of the colours of two shapes, in Oklab.
-fn colour_distance(a: &Shape, b: &Shape) -> f32 {
-    let [a, b] = [a, b].map(|shape| shape.colour.to_oklab());
-    libm::sqrtf(squared_distance(a, b))
-}
-
 /// Labels cells of the whole.
 fn fill(labels: &mut LabelMap, cells: &Mask, label: u32) {
     for span in cells.spans() {
@@ -264,8 +259,7 @@ fn base(parts: &[PlacedPart<'_>], whole: &Mask, outline: Outline) -> Shape {
     let shape = main.painted(main.primary.base(), outline);
     let area = |part: &PlacedPart<'_>| f64::from(part.mask.area());
     let colour = |part: &PlacedPart<'_>| part.primary.base().colour;
-    let near =
-        |part: &&PlacedPart<'_>| colour_distance(part.primary.base(), main.primary.base()) <= ONE_PAINT;
+    let near = |part: &&PlacedPart<'_>| colour(part).distance(colour(main)) <= ONE_PAINT;
     let other = parts.iter().skip(1).filter(near).find(|part| colour(part) != colour(main));
     let Some(other) = other.filter(|_| area(main) < DOMINANT * f64::from(whole.area())) else { return shape };
     let middle = |part: &PlacedPart<'_>| part.mask.centroid().map_or([0.0; 2], |(x, y)| [x, y]);

@@ -19,12 +19,12 @@
 //!
 //! Coverage follows from the field. It is corrected only where a map asks for another density.
 
+mod bent;
 mod courses;
 mod cover;
 mod fused;
 mod ground;
 mod instances;
-mod joints;
 mod likeness;
 mod mapped;
 mod pages;
@@ -73,6 +73,9 @@ const MOST_STRAY: f64 = 1.0;
 /// Farthest that an element is moved onto a lattice, in cells: offsets may miss by a cell and a half.
 const MOST_MOVED: f64 = 2.0;
 
+/// Passes in which elements that replace what the field brings settle.
+const PASSES: usize = 2;
+
 /// Primaries carried along a correspondence field. Shares are of the canvas.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Structure {
@@ -85,7 +88,7 @@ pub struct Structure {
     pub wanted: f64,
     /// Primaries that were carried whole.
     pub whole: usize,
-    /// Primaries that stand, moved or gently stretched, for what was carried in part or of several.
+    /// Primaries that stand, moved, gently stretched or bent, for what was carried in part or of several.
     pub like: usize,
     /// Primaries fused from parts of others.
     pub fused: usize,
@@ -178,15 +181,10 @@ impl Correspondence {
         let kinds = Kinds::new(libraries, model);
         let instances = instances::find(self, model, grid, &kinds);
         let packings = resolve::packings(libraries, &self.pages.labels);
-        let joint = |library: usize| {
-            if packings[library] < resolve::PACKED { 0 } else { joints::width(&self.pages.labels[library]) }
-        };
-        let joints: Vec<usize> = (0..libraries.len()).map(joint).collect();
         step(1)?;
         let alike = Substitutes::new(libraries, model);
         let mut cover = Cover::new(grid, &instances);
-        let resolver =
-            Resolver::new(self, libraries, model, grid, (&alike, &kinds.strata), (packings, &joints), &cover);
+        let resolver = Resolver::new(self, libraries, model, grid, (&alike, &kinds.strata), packings, &cover);
         let allowed = |mask: &Mask, at: [i32; 2]| {
             let middle = mask.centroid().map_or(at, |(x, y)| [at[0] + x as i32, at[1] + y as i32]);
             stands(grid, region, mask, at, middle)
@@ -201,7 +199,15 @@ impl Correspondence {
             ..Structure::default()
         };
         let mut elements = Vec::with_capacity(instances.len());
+        // Those that replace what the field brings.
+        let mut others = Vec::new();
         for (instance, outcome) in instances.iter().zip(outcomes) {
+            let library = model.element(instance.main().variant).library;
+            if let Resolution::Like(..) | Resolution::Mapped(_) | Resolution::Bent(_) = outcome
+                && self.lattices[library].is_none()
+            {
+                others.push(elements.len());
+            }
             let standing = match outcome {
                 Resolution::Whole(standing) => {
                     structure.whole += standing.len();
@@ -216,15 +222,17 @@ impl Correspondence {
                     let Mapped { variant, map, mask, at, .. } = *mapped;
                     vec![(model.add_mapped(variant, mask, map), at)]
                 }
-                Resolution::Fused(element, mask) => {
-                    let (variant, at) = (instance.main().variant, instance.main().at);
+                Resolution::Bent(made) => {
+                    structure.like += 1;
+                    vec![(model.add_fused(made.variant, made.mask, made.element), made.at)]
+                }
+                Resolution::Fused(made) => {
                     structure.fused += 1;
-                    structure.fused_share += cover.share(&mask, at);
-                    vec![(model.add_fused(variant, mask, *element), at)]
+                    structure.fused_share += cover.share(&made.mask, made.at);
+                    vec![(model.add_fused(made.variant, made.mask, made.element), made.at)]
                 }
                 Resolution::Nothing => Vec::new(),
             };
-            let library = model.element(instance.main().variant).library;
             for (variant, at) in standing {
                 elements.push((variant, self.on_lattice(model, grid, packed[library], (variant, at))));
             }
@@ -236,6 +244,11 @@ impl Correspondence {
             }
         }
         elements.iter().for_each(|&(variant, at)| cover.take(&model.shape(variant).mask, at));
+        for k in (0..PASSES).flat_map(|_| &others) {
+            let (variant, at) = elements[*k];
+            let mask = &model.shape(variant).mask;
+            elements[*k].1 = cover.settle(mask, at, |to| allowed(mask, to));
+        }
         (structure.wanted, structure.empty, structure.unwanted) = cover.shares();
         if self.lattices.iter().any(Option::is_some) && model.variations.len() > 1 {
             vary(&mut elements, &self.lattices, model, params.seed);

@@ -1,17 +1,21 @@
 //! The elements placed for each instance: a whole element, a similar one, a fused one, or none.
 //!
-//! The main element of an instance is placed whole if it fits. If another element of similar colour and size
-//! fits better, that one is placed. The more packed the exemplar, the closer an element has to fit, because a gap is
-//! seen there at once.
+//! The main element of an instance is placed whole if it fits as it is; the more packed the exemplar, the closer it has
+//! to fit. If another element of similar colour and size fits better, that one is placed.
 //!
-//! An instance that no element fits where it lies is one thing all the same. Where the instance looks like no element
-//! of the exemplar ([`likeness`](super::likeness)), as two flowers at once do, those of its elements are placed that
-//! were copied in large part. Else the element that fits best after a gentle map is placed ([`mapped`](super::mapped)),
-//! of those that the instance was copied from and those like its main one. Where the canvas cuts an instance, that of its elements is placed of which it
-//! shows most. Only where elements interlock, or are long, is what remains fused of its parts, since a gap would be seen.
+//! If none fits, the instance is one thing all the same:
+//!
+//! * Where elements stand apart, and it looks like none of the exemplar ([`likeness`](super::likeness)), as two flowers
+//!   at once do, those of its elements are placed that were copied in large part.
+//! * Where the canvas cuts it, that of its elements is placed that fits it best.
+//! * Else the element that fits best after a gentle map is placed ([`mapped`](super::mapped)), of those that it was
+//!   copied from and those like its main one; if none fits well, one that is also bent ([`bent`](super::bent)).
+//! * What remains is fused of its parts where elements interlock or are long, since a gap would be seen there.
+//!
 //! Elements cut by the exemplar's border are placed only where the canvas cuts them too.
 
 use super::Correspondence;
+use super::bent::Bent;
 use super::cover::Cover;
 use super::fused::fused;
 use super::instances::{PixelInstance, PrimaryPixels};
@@ -23,7 +27,7 @@ use crate::arrange::model::{PlaceableId, PlacementModel, VariantId};
 use crate::arrange::variation::Variation;
 use vtex_base::raster::{LabelMap, Mask};
 use vtex_scene::library::{Library, SourceKind};
-use vtex_scene::scene::Element;
+use vtex_scene::scene::{Element, ElementId, LibraryId};
 
 /// Least overlap over union of an instance and its main element, for elements that are apart and for packed
 /// elements, where gaps are conspicuous.
@@ -56,21 +60,29 @@ const ON_OTHERS: f64 = 0.35;
 /// Least overlap over union of an instance and an element that looks like it.
 const LOOKS_LIKE: f64 = 0.4;
 
-/// Areas of elements that are mapped onto an instance, as shares of its own.
+/// Areas that an element may have that is mapped onto an instance, as multiples of the instance's area.
 const MAPPED_AREAS: [f64; 2] = [0.5, 2.0];
-/// Elements of least strain of which pixels are compared.
-const LEAST_STRAINED: usize = 10;
-/// Least overlap over union of an instance and an element mapped onto it, for elements that are apart, and for packed
-/// ones with joints between them, which hide a gap, and without.
-const MAPPED: [f64; 2] = [0.6, 0.79];
-const MAPPED_WITHOUT_JOINTS: f64 = 0.88;
-/// The same for an instance that the canvas cuts.
-const CUT: [f64; 2] = [0.6, 0.75];
-/// Elements at least so many times as long as wide are long.
+/// Number of elements whose pixels are compared: those that votes and strain speak for most.
+const COMPARED: usize = 12;
+/// Least overlap over union of an instance and an element mapped onto it, for elements that are apart and for packed
+/// ones.
+const MAPPED: [f64; 2] = [0.6, 0.82];
+/// Number of elements that are bent if none fits so well, and the least overlap over union of one of them.
+const BENT_ONES: usize = 3;
+const BENT: f64 = 0.68;
+/// Most that the area of an element grows.
+const LARGER: f64 = 1.6;
+/// Coverage from which on there is no ground that could be seen in a gap: all elements are bent there, and enlarged so
+/// much that they reach beneath their neighbours.
+const TIGHT: f64 = 0.96;
+const TIGHT_GROWTH: f64 = 1.1;
+/// Least overlap over union of an instance that the canvas cuts and an element that it cuts, too.
+const CUT: f64 = 0.70;
+/// Least ratio of length to width of an element that counts as long.
 const LONG: f64 = 4.0;
-/// What a unit of strain costs, in overlap over union.
+/// Cost of a unit of strain, and worth of an element from which all of an instance was copied, both in overlap over
+/// union.
 const STRAIN: f64 = 0.08;
-/// What it is worth that all of an instance came from an element, likewise.
 const VOTES: f64 = 0.1;
 
 /// An element mapped onto an instance.
@@ -85,6 +97,16 @@ pub(super) struct Mapped {
     union: f64,
 }
 
+/// An element with shapes of its own.
+pub(super) struct Made {
+    /// The element that it is made of, or most of it.
+    pub(super) variant: VariantId,
+    pub(super) element: Element,
+    /// Its pixels, relative to its origin, and the place of that.
+    pub(super) mask: Mask,
+    pub(super) at: [i32; 2],
+}
+
 /// The elements that are placed for an instance.
 pub(super) enum Resolution {
     /// Elements that it is copied from.
@@ -93,8 +115,10 @@ pub(super) enum Resolution {
     Like(VariantId, [i32; 2]),
     /// One, gently mapped.
     Mapped(Box<Mapped>),
-    /// A new one, relative to the origin of the instance's main part, with its pixels.
-    Fused(Box<Element>, Mask),
+    /// One, gently mapped and bent.
+    Bent(Box<Made>),
+    /// One of several parts.
+    Fused(Box<Made>),
     /// None.
     Nothing,
 }
@@ -113,8 +137,6 @@ pub(super) struct Resolver<'a> {
     field: &'a Correspondence,
     /// Packing of each exemplar, 0 to 1.
     packings: Vec<f64>,
-    /// Width of the joints of each exemplar, in pixels; 0 where elements touch or stand apart.
-    joints: &'a [usize],
     /// The area of the map that the field covers.
     known: [[i32; 2]; 2],
     cover: &'a Cover<'a>,
@@ -122,14 +144,14 @@ pub(super) struct Resolver<'a> {
 
 impl<'a> Resolver<'a> {
     /// `strata` holds the stratum of each element of the model; `packings` are of the exemplars, as [`packings`] gives
-    /// them, with the widths of their joints.
+    /// them.
     pub(super) fn new(
         field: &'a Correspondence,
         libraries: &'a [Library],
         model: &'a PlacementModel,
         grid: &'a Grid,
         (alike, strata): (&'a Substitutes, &[u8]),
-        (packings, joints): (Vec<f64>, &'a [usize]),
+        packings: Vec<f64>,
         cover: &'a Cover<'a>,
     ) -> Self {
         let labels = &field.pages.labels;
@@ -139,20 +161,7 @@ impl<'a> Resolver<'a> {
         let known = field.known(grid);
         let plain = |k: usize| Moments::of(&model.plain(PlaceableId(k as u32)).mask);
         let moments = (0..model.elements.len()).map(plain).collect();
-        Self {
-            libraries,
-            model,
-            grid,
-            alike,
-            likeness,
-            colours,
-            moments,
-            field,
-            packings,
-            joints,
-            known,
-            cover,
-        }
+        Self { libraries, model, grid, alike, likeness, colours, moments, field, packings, known, cover }
     }
 
     /// Whether the exemplar of a library counts as packed.
@@ -201,13 +210,11 @@ impl<'a> Resolver<'a> {
             return outcome;
         }
         if instance.cut {
-            if let Some(standing) = self.of_which_most_is_seen(instance, &allowed) {
+            if let Some(standing) = self.cut_as_well(instance, &allowed) {
                 return Resolution::Whole(vec![standing]);
             }
-        } else {
-            if let Some(mapped) = self.mapped(instance, &allowed) {
-                return Resolution::Mapped(Box::new(mapped));
-            }
+        } else if let Some(outcome) = self.of_one_element(instance, &allowed) {
+            return outcome;
         }
         if !self.is_packed(element.library)
             && instance.mask.area() >= LOOKED_AT
@@ -218,7 +225,9 @@ impl<'a> Resolver<'a> {
         }
         let is_free = |at: [i32; 2]| !self.cover.is_wanted(at);
         match fused(instance, self.libraries, self.model, is_free) {
-            Some((element, mask)) if allowed(&mask, main.at) => Resolution::Fused(Box::new(element), mask),
+            Some((element, mask)) if allowed(&mask, main.at) => {
+                Resolution::Fused(Box::new(Made { element, mask, variant: main.variant, at: main.at }))
+            }
             _ => Resolution::Nothing,
         }
     }
@@ -267,11 +276,16 @@ impl<'a> Resolver<'a> {
         Some(other.filter(fits).map_or(Resolution::Nothing, |variant| Resolution::Like(variant, at)))
     }
 
-    /// The whole element that fits an instance best after a gentle map: one of those that it was copied from, or one
-    /// like the main one of these. `None` if none fits well.
-    fn mapped(&self, instance: &PixelInstance, allowed: impl Fn(&Mask, [i32; 2]) -> bool) -> Option<Mapped> {
+    /// The element that fits an instance best after a gentle map, or, if none does well, after it was bent, too: one of
+    /// those that the instance was copied from, or one like the main one of these.
+    fn of_one_element(
+        &self,
+        instance: &PixelInstance,
+        allowed: impl Fn(&Mask, [i32; 2]) -> bool,
+    ) -> Option<Resolution> {
         let PixelInstance { parts, mask, .. } = instance;
         let main = instance.main().variant;
+        let library = self.model.element(main).library;
         let wanted = Moments::of(mask)?;
         let area = f64::from(mask.area());
         let own = parts.iter().map(|part| (part.variant, f64::from(part.mask.area()) / area));
@@ -289,17 +303,40 @@ impl<'a> Resolver<'a> {
             }
         }
         candidates.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
-        candidates.truncate(LEAST_STRAINED);
-        let library = self.model.element(main).library;
-        let packing = self.packings[library];
-        let packed = if self.joints[library] > 0 { MAPPED[1] } else { MAPPED_WITHOUT_JOINTS };
-        let least = MAPPED[0] + packing * (packed - MAPPED[0]);
+        candidates.truncate(COMPARED);
         let judged = candidates.into_iter().filter_map(|(variant, worth, map, _)| {
             let mapped = self.under(variant, map, wanted.middle, mask)?;
-            (mapped.union >= least && allowed(&mapped.mask, mapped.at))
-                .then_some((mapped.union + worth, mapped))
+            allowed(&mapped.mask, mapped.at).then_some((mapped.union + worth, mapped))
         });
-        judged.max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.variant.cmp(&a.1.variant))).map(|best| best.1)
+        let mut judged: Vec<(f64, Mapped)> = judged.collect();
+        judged.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.variant.cmp(&b.1.variant)));
+        let is_tight = self.libraries[library].coverage >= TIGHT;
+        let least = if is_tight { 1.0 } else { MAPPED[0] + self.packings[library] * (MAPPED[1] - MAPPED[0]) };
+        let growth = if is_tight { TIGHT_GROWTH } else { 1.0 };
+        if let Some(k) = judged.iter().position(|(_, mapped)| mapped.union >= least) {
+            return Some(Resolution::Mapped(Box::new(judged.swap_remove(k).1)));
+        }
+        let bent = judged.iter().take(BENT_ONES).filter_map(|(_, mapped)| {
+            let known = self.model.element(mapped.variant);
+            let primary = &self.libraries[library].primaries()[known.index as usize];
+            let bent = Bent::onto(mapped, primary, mask, growth)?;
+            let union = union(mask, &bent.mask, mapped.at);
+            let is_alike = union >= BENT / (growth * growth)
+                && f64::from(bent.mask.area()) <= LARGER * f64::from(primary.area);
+            (is_alike && allowed(&bent.mask, mapped.at)).then_some((union, mapped, bent))
+        });
+        let (_, mapped, bent) = bent.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        let known = self.model.element(mapped.variant);
+        let mask = bent.mask.clone();
+        let element = Element {
+            library: LibraryId(library as u32),
+            source: Some(ElementId(known.index)),
+            category: self.libraries[library].primaries()[known.index as usize].category,
+            fused: true,
+            silhouette: None,
+            shapes: bent.shapes(),
+        };
+        Some(Resolution::Bent(Box::new(Made { element, mask, variant: mapped.variant, at: mapped.at })))
     }
 
     /// Whether an element is long, such as the gap between two planks: islands cut it, and its parts run on.
@@ -323,23 +360,20 @@ impl<'a> Resolver<'a> {
         let mask = map.of_mask(&self.model.plain(element).mask);
         let (x, y) = mask.centroid()?;
         let at = [middle[0] - x, middle[1] - y].map(|v| libm::round(v) as i32);
-        let both = f64::from(beside.overlap(&mask.shifted(at[0], at[1])));
-        let union = both / (f64::from(beside.area()) + f64::from(mask.area()) - both).max(1.0);
+        let union = union(beside, &mask, at);
         Some(Mapped { variant, map, mask, at, union })
     }
 
     /// Of the elements that an instance at the border was copied from, the one that fits it best where it lies.
-    fn of_which_most_is_seen(
+    fn cut_as_well(
         &self,
         instance: &PixelInstance,
         allowed: impl Fn(&Mask, [i32; 2]) -> bool,
     ) -> Option<(VariantId, [i32; 2])> {
-        let packing = self.packings[self.model.element(instance.main().variant).library];
-        let least = CUT[0] + packing * (CUT[1] - CUT[0]);
         let fits = |part: &PrimaryPixels| {
             let mask = &self.model.shape(part.variant).mask;
             let (union, _) = self.fit(instance, mask, part.at);
-            (union >= least && allowed(mask, part.at)).then_some((union, (part.variant, part.at)))
+            (union >= CUT && allowed(mask, part.at)).then_some((union, (part.variant, part.at)))
         };
         let best =
             instance.parts.iter().filter_map(fits).max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
@@ -400,6 +434,12 @@ impl<'a> Resolver<'a> {
         let best = candidates.filter_map(fit).max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)))?;
         Some((best.1, at))
     }
+}
+
+/// Overlap over union of a mask and another one at a place.
+fn union(one: &Mask, other: &Mask, at: [i32; 2]) -> f64 {
+    let both = f64::from(one.overlap(&other.shifted(at[0], at[1])));
+    both / (f64::from(one.area()) + f64::from(other.area()) - both).max(1.0)
 }
 
 /// The packing of each exemplar, 0 to 1.
