@@ -6,6 +6,7 @@
 
 mod bounds;
 mod cost;
+mod markup;
 mod stops;
 mod unfolding;
 
@@ -34,8 +35,6 @@ const MOST_TIME: [f64; 2] = [1e10, 1e10];
 /// Maximum memory for layers, patterns and masks, in bytes; for large canvases as a multiple of their own memory.
 const MOST_MEMORY: f64 = 1e9;
 const MOST_CANVASES: f64 = 4.0;
-/// Largest number of attributes of an element: the parser compares them all with each other.
-const MOST_ATTRIBUTES: usize = 1000;
 
 /// Why an SVG is not read or drawn.
 #[derive(Debug)]
@@ -120,14 +119,15 @@ pub fn text(bytes: &[u8], name: &str, fail: impl Fn(SvgFault) -> Error) -> Resul
 
 /// The XML of a text.
 ///
-/// # Errors A text that is not well formed, or an element with more than 1000 attributes.
+/// # Errors
+/// A text that is not well formed, an element with more than 1000 attributes, more than 200 namespaces, or entities
+/// that unfold to more than 10 MB.
 pub fn document(text: &str) -> Result<roxmltree::Document<'_>, SvgFault> {
     if text.trim().is_empty() {
         return Err(String::from("it is empty").into());
     }
-    if bounds::most_attributes(text) > MOST_ATTRIBUTES {
-        let reason = format!("an element has more than {MOST_ATTRIBUTES} attributes");
-        return Err(SvgFault { reason, advice: "delete those that nothing needs" });
+    if let Some(fault) = markup::refused(text) {
+        return Err(fault);
     }
     let options = roxmltree::ParsingOptions { allow_dtd: true, ..Default::default() };
     roxmltree::Document::parse_with_options(text, options)

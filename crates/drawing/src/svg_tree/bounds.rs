@@ -85,30 +85,6 @@ fn is_huge(text: &str) -> bool {
     exponents.into_iter().any(is_large) || parts.into_iter().any(|number| digits(number) > MOST_DIGITS)
 }
 
-/// Upper bound of the largest number of attributes of an element of a text that may not be well formed.
-pub(super) fn most_attributes(text: &str) -> usize {
-    // Neither tags nor the values of attributes hold a '<'.
-    text.split('<').map(attributes).max().unwrap_or(0)
-}
-
-/// Number of values in quotes in a tag and the text behind it.
-fn attributes(tag: &str) -> usize {
-    let mut quote = None;
-    let mut count = 0;
-    for byte in tag.bytes() {
-        match (quote, byte) {
-            (None, b'>') => break,
-            (None, b'"' | b'\'') => quote = Some(byte),
-            (Some(open), _) if open == byte => {
-                quote = None;
-                count += 1;
-            }
-            _ => {}
-        }
-    }
-    count
-}
-
 /// Largest number of consecutive commands that close a path.
 fn consecutive_closes(data: &str) -> usize {
     let mut longest = 0;
