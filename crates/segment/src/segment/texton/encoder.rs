@@ -19,7 +19,7 @@ pub(super) const CENTRE: usize = 16;
 pub(super) const UNIT: f32 = 16.0;
 const REACH: f32 = 96.0;
 
-const FILE: &[u8] = include_bytes!("../../../models/encoder.onnx");
+const FILE: &[u8] = include_bytes!("../../../../../models/texton/encoder.onnx");
 /// Number of reductions to half the size, the first of which joins the pixels of a cell.
 const REDUCTIONS: u32 = 4;
 /// The encoder requires sides that are multiples of this.

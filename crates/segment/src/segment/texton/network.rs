@@ -155,7 +155,7 @@ pub(super) struct EmbeddedImage {
     least_iou: f32,
 }
 
-/// The decoder at one prompt. It computes the same as `crates/segment/models/decoder.onnx`, but only for the
+/// The decoder at one prompt. It computes the same as `models/texton/decoder.onnx`, but only for the
 /// cells that a mask can reach, and only the heads that may give a mask.
 struct Prompt<'a> {
     view: &'a EmbeddedImage,

@@ -7,8 +7,8 @@ use crate::segment::prompt::Embedded;
 use vtex_base::raster::{Connectivity, LabelMap, components_of_mask};
 use vtex_testing::{SceneKind, SceneParams, generate};
 
-const ENCODER: &[u8] = include_bytes!("../../../models/encoder.onnx");
-const DECODER: &[u8] = include_bytes!("../../../models/decoder.onnx");
+const ENCODER: &[u8] = include_bytes!("../../../../../models/texton/encoder.onnx");
+const DECODER: &[u8] = include_bytes!("../../../../../models/texton/decoder.onnx");
 
 /// An exported graph, run by rten.
 fn graph(name: &str, bytes: &[u8]) -> Box<dyn Engine> {
