@@ -94,8 +94,8 @@ pub(crate) fn compare(
             }
             _ => None,
         };
-        let result = metrics::scaled(result, scale)?;
-        Ok(metrics::Metrics { contours, ..metrics::compare(&exemplar, &result, progress)? })
+        let pictures = metrics::reduced([exemplar, metrics::scaled(result, scale)?], progress);
+        Ok(metrics::Metrics { contours, ..metrics::compare(&pictures[0], &pictures[1], progress)? })
     })?;
     json(py, &measured)
 }

@@ -1,8 +1,8 @@
-"""Photographs and drawings of textures become editable vector textures of any size.
+"""Make editable vector textures of any size from photographs and drawings of textures.
 
-`analyze` finds the elements of a photograph or an SVG, `synthesize` makes a `Scene` of any size of
-them, and a scene is drawn, edited and saved as SVG, PDF, PNG or JSON. `warp`, `interpolate`, `transfer` and
-`stylize` make scenes of scenes; `vectorize` draws a photograph itself.
+`analyze` finds the elements of a photograph or an SVG. `synthesize` makes a `Scene` of any size from them. You can draw
+and edit a scene, and save it as SVG, PDF, PNG or JSON. `warp`, `interpolate`, `transfer` and `stylize` make new scenes
+from scenes. `vectorize` draws the photograph itself.
 
 Examples
 --------
@@ -115,7 +115,7 @@ __all__ = [
     "warp",
 ]
 
-# Users, tracebacks and pickles know public names only.
+# Users, tracebacks and pickles see public names only.
 for _name in __all__:
     if not _name.startswith("_"):
         globals()[_name].__module__ = "vtex"

@@ -1,4 +1,4 @@
-"""Categories, as libraries and scenes list them."""
+"""Categories of libraries and scenes."""
 
 from __future__ import annotations
 
@@ -12,17 +12,20 @@ class Category:
     Parameters
     ----------
     name : str
-        A plain name for its colour; no other category of its library has it. A scene calls it as its library does.
+        Name of the category, by default after its colour, such as ``"small light grey"``. The name is unique in the
+        library. A scene uses the same name.
     colour : str
-        Mean colour of its elements, as ``"#rrggbb"``; in a scene, as they are there. ``color`` is the same.
+        Mean colour of the elements, as ``"#rrggbb"``. In a scene it is their present colour. You can also write
+        ``color``.
     count : int
-        Number of its elements: in a library of different ones, in a scene of those at their places.
+        Number of elements. In a library, vtex counts different elements. In a scene, it counts placed elements.
     coverage : float
-        Share of the exemplar or the canvas that they cover, 0 to 1.
+        Share of the exemplar or the canvas that the elements cover, 0 to 1.
     number : int
-        Its number in its library, from 1, which ``where="category=..."`` and the classes of an SVG say.
+        Number of the category in its library, from 1. ``where="category=..."`` and the classes of an SVG use this
+        number.
     library : int, default 0
-        Its library, as a place in ``exemplars`` of a scene, from 0; ``where="library=..."`` counts from 1.
+        Index of the library in ``exemplars`` of a scene, from 0. ``where="library=..."`` counts from 1.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""How alike two pictures are."""
+"""Measures of how similar two pictures are."""
 
 from __future__ import annotations
 
@@ -11,80 +11,83 @@ from vtex._scene import Scene
 
 
 class Spread(TypedDict):
-    """Spread of the means of blocks of one size."""
+    """Spread of the mean colours of square blocks of one size."""
 
     #: Side of the blocks, in pixels.
     block: int
-    #: Spread in the exemplar.
+    #: Standard deviation of the block means of the exemplar, in Oklab.
     exemplar: float
-    #: Spread in the result.
+    #: Standard deviation of the block means of the result, in Oklab.
     result: float
-    #: Result over exemplar; None where that has none.
+    #: `result` divided by `exemplar`: below 1 = too even, above 1 = too patchy. None if `exemplar` is 0.
     ratio: float | None
 
 
 class Contours(TypedDict):
-    """Contours of a drawn result, four times enlarged, beside those of its exemplar."""
+    """Contours of a result, drawn four times as large, compared with those of its exemplar."""
 
-    #: Share of the picture that is part of a contour, 0 to 1.
+    #: Share of the picture that contours cover, 0 to 1.
     share: float
-    #: Share of the picture that is part of a contour where the exemplar has none, 0 to 1.
+    #: Share of the picture that contours cover where the exemplar has none, 0 to 1.
     spurious: float
-    #: Mean width of the exemplar's borders, from 10 % to 90 % of the change across them, in pixels.
+    #: Mean width of borders in the exemplar, from 10 % to 90 % of the change across them, in pixels.
     width_exemplar: float
-    #: The same of the result.
+    #: Mean width of borders in the result, measured in the same way.
     width_result: float
 
 
 class Metrics(TypedDict):
-    """Measures of how far a result is from its exemplar.
+    """Measures of the difference between a result and its exemplar.
 
-    Distances are 0 for identical pictures and grow with the difference.
+    A distance is 0 for identical pictures. It grows with the difference.
     """
 
     #: Width and height of the exemplar, in pixels.
     exemplar_size: list[int]
-    #: Width and height of the result as it was compared, in pixels.
+    #: Width and height of the result after resizing, in pixels.
     result_size: list[int]
     #: Side of the windows whose power spectra are compared, in pixels.
     window: int
-    #: Earth mover's distance between 8-bit histograms of red, green and blue, 0 to 255.
+    #: Earth mover's distance between 8-bit histograms, averaged over red, green and blue, 0 to 255.
     emd_rgb: float
     #: Earth mover's distance between histograms in CIE Lab, in delta E.
     emd_lab: float
-    #: Difference of log power over radial frequency bands.
+    #: Root mean square difference of log power over radial frequency bands.
     psd_radial: float
-    #: The same, in eight directions.
+    #: The same difference, with each band divided into eight directions.
     psd_2d: float
     #: Distance between histograms of local binary patterns, 0 to 1.
     lbp: float
-    #: Sliced Wasserstein distance between patches, in standard deviations of the exemplar's.
+    #: Sliced Wasserstein distance between patches, in standard deviations of the exemplar's patches.
     swd: float
-    #: The same for each level of the pyramid, the finest first.
+    #: The same distance for each level of the pyramid, the finest first.
     swd_levels: list[float]
-    #: Frechet distance between filter responses.
+    #: Frechet distance between filter responses, in standard deviations of the exemplar's responses.
     fb_frechet: float
-    #: How near the result's patches are to the exemplar's; 1 is as near as its own. None below 53 pixels.
+    #: Distance from patches of the result to the nearest patches of the exemplar: 1 = as near as patches of the
+    #: exemplar are to each other, below 1 = nearer. None if a side is below 53 pixels.
     coherence: float | None
-    #: How near the exemplar's patches are to the result's; 1 is as near as its own. None below 53 pixels.
+    #: Distance from patches of the exemplar to the nearest patches of the result, on the same scale. None if a side is
+    #: below 53 pixels.
     completeness: float | None
-    #: Variance of the Laplacian of the exemplar's greys: lower is more blurred.
+    #: Variance of the Laplacian of the exemplar's grey values, 0 to 255. A lower variance means more blur.
     lapvar_exemplar: float
-    #: The same of the result.
+    #: Variance of the Laplacian of the result's grey values.
     lapvar_result: float
-    #: Logarithm of result over exemplar of these.
+    #: Logarithm of `lapvar_result` divided by `lapvar_exemplar`: below 0 = more blurred, above 0 = noisier.
     lapvar_logratio: float
-    #: Spread of block means, by block size.
+    #: Spread of the mean colours of blocks, by block size.
     structure: list[Spread]
-    #: Largest autocorrelation of the exemplar beyond 12 pixels, at most 1.
+    #: Repetition in the exemplar: its largest autocorrelation beyond 12 pixels, at most 1.
     acf_peak_exemplar: float
-    #: The same of the result.
+    #: Repetition in the result, measured in the same way.
     acf_peak_result: float
-    #: Structural similarity of the common central part, 0 to 1.
+    #: Structural similarity (SSIM) of the common central part, 0 to 1 (identical).
     ssim: float
-    #: The same over five scales; None below 176 pixels.
+    #: Structural similarity over five scales (MS-SSIM), 0 to 1. None if a side is below 176 pixels.
     ms_ssim: float | None
-    #: Contours of an SVG, a scene or a library of the exemplar's size; None of pictures and other sizes.
+    #: Contours of a result that is an SVG, a scene or a library, as large as the exemplar. None for other results, and
+    #: if `scale` is not 1.
     contours: Contours | None
 
 
@@ -95,18 +98,20 @@ def metrics(
     scale: float = 1.0,
     progress: _inputs.Progress | None = None,
 ) -> Metrics:
-    """Measure how alike a result is to its exemplar.
+    """Measure how similar a result is to its exemplar.
 
     Parameters
     ----------
     exemplar, result : path, bytes, file, numpy.ndarray, PIL.Image.Image, Scene or Library
-        Pictures, or what can be drawn as one: an SVG, a scene, a library. At least 32 pixels on each
-        side, at most 2**24 in all; their sizes may differ. Arrays are height x width x 3 of uint8.
+        The two pictures. vtex draws an SVG, a scene or a library first. Each picture has at least 32 pixels on each
+        side. Above 1 600 000 pixels, vtex reduces both by the same factor and warns. The two sizes may differ. An array
+        is height x width x 3 of uint8.
     scale : float, default 1.0
-        How many times as large the result shows the texture, 0.01 to 100.
+        How many times as large the result shows the texture, 0.01 to 100. vtex first resizes the result to the scale of
+        the exemplar. The limits above apply after that.
     progress : callable, optional
-        Called as ``progress(stage, done, total)`` in this thread; the work stops if it returns False or
-        raises.
+        Function that vtex calls as ``progress(stage, done, total)`` in the caller's thread. `total` is 0 while it is
+        unknown. If the function returns False or raises an exception, the work stops. Default: no function.
 
     Returns
     -------
@@ -116,9 +121,13 @@ def metrics(
     Raises
     ------
     InputError
-        If a picture cannot be used.
+        If vtex cannot use a picture.
     InputTypeError
-        If something has a type that cannot be used.
+        If an argument has a type that vtex cannot use.
+    FileError
+        If vtex cannot read a file.
+    Interrupted
+        If `progress` returns False.
     """
     measured: Metrics = json.loads(
         _vtex.compare(_viewed(exemplar, "exemplar"), _viewed(result, "result"), scale, progress)

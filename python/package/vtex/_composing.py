@@ -1,4 +1,4 @@
-"""Scenes to scene: bent, between two, with the appearance of others; and pictures redrawn in elements."""
+"""From scenes to scenes: bent, blended, or with the appearance of others. And from pictures to scenes."""
 
 from __future__ import annotations
 
@@ -28,46 +28,50 @@ def warp(
 ) -> Scene:
     """Bend or stretch a scene; its elements keep their size and density.
 
-    Elements move, gaps are filled with new ones, and where they crowd some go. Either `stretch` is given,
-    or `cage` and `to`. The same scene, libraries, parameters and seed give the same as the program
-    ``vtex warp``.
+    vtex moves the elements. It fills gaps with new elements, and removes elements where they crowd. Give either
+    `stretch`, or both `cage` and `to`. The same scene, libraries, parameters and seed give the same scene as the
+    program ``vtex warp``.
 
     Parameters
     ----------
     scene : Scene
-        The scene.
+        The scene to bend.
     library : Library or sequence of Library
-        The libraries that it was made from, in any order.
+        The libraries that the scene was made from, in any order.
     stretch : float or (float, float), optional
-        Factor of the canvas's sides, or those of its width and height, 0.1 to 10 each.
+        Factor of the canvas size, or one factor for the width and one for the height, 0.1 to 10 each.
     cage : path, bytes or file, optional
-        The cage before: an SVG with one closed path, drawn over the scene, an SVG's pixel for a pixel.
+        The cage before: an SVG with one closed path, drawn over the scene. One pixel of the SVG is one pixel of the
+        canvas.
     to : path, bytes or file, optional
-        The cage after: a copy whose points have been moved; its page is the new canvas.
+        The cage after: a copy of `cage` with moved points. The page of this SVG is the new canvas.
     edge : {"keep", "clip", "avoid"}, optional
-        Whether elements at the edge of the new shape are kept whole, clipped, or none crosses it. Default:
-        as in the scene.
+        What happens to elements at the edge of the new shape. Default: the same as in the scene.
+
+        * ``"keep"``: elements remain whole
+        * ``"clip"``: elements are clipped
+        * ``"avoid"``: no element crosses the edge
     seed : int, optional
-        Seed of the new elements, 0 to 2**64 - 1. Default: the scene's own.
+        Seed of the new elements, 0 to 2**64 - 1. Default: the seed of the scene.
     progress : callable, optional
-        Called as ``progress(stage, done, total)`` in this thread; the work stops if it returns False or
-        raises.
+        Function that vtex calls as ``progress(stage, done, total)`` in the caller's thread. `total` is 0 while it is
+        unknown. If the function returns False or raises an exception, the work stops. Default: no function.
 
     Returns
     -------
     Scene
-        The scene of another shape; it does not tile.
+        The new scene. It does not tile.
 
     Raises
     ------
     InputError
-        If a factor is out of range, the cages do not correspond, or the scene was made from other libraries.
+        If a factor is out of range, the cages do not match, or the scene was made from other libraries.
     InputTypeError
-        If something has a type that cannot be used.
+        If an argument has a type that vtex cannot use.
     FileError
-        If a file cannot be read.
+        If vtex cannot read a file.
     Interrupted
-        If `progress` returned False.
+        If `progress` returns False.
     """
     given = [value is not None for value in (stretch, cage, to)]
     if given not in ([True, False, False], [False, True, True]):
@@ -116,41 +120,45 @@ def interpolate(
     morph: Literal["x", "y", "radial"] | _inputs.Picture | None = None,
     progress: _inputs.Progress | None = None,
 ) -> Scene | list[Scene]:
-    """Make the scenes between two: elements move and change into those of the other.
+    """Make the scenes between two scenes.
 
-    Either `at` or `morph` is given. The same scenes give the same as the program ``vtex animate``.
+    The elements of the first scene move and change until they are those of the second. Give either `at` or `morph`. The
+    same scenes give the same result as the program ``vtex animate``.
 
     Parameters
     ----------
     first, second : Scene
-        The scenes, of one size.
+        The two scenes. Their canvases have the same size.
     at : float or sequence of float, optional
-        How far along the way, 0 (the first) to 1 (the second). A sequence, such as
-        ``numpy.linspace(0, 1, 30)``, gives a scene for each: the frames of an animation, for which elements
-        are paired only once.
+        Position between the scenes, 0 (the first) to 1 (the second). A sequence, such as ``numpy.linspace(0, 1, 30)``,
+        gives one scene for each number: the frames of an animation. This is faster than single calls, because vtex
+        pairs the elements only once.
     morph : {"x", "y", "radial"} or picture, optional
-        For one scene that turns into the other over the canvas: from left to right, from top to bottom,
-        from the middle to the sides, or by a grey picture stretched over it, black (0.0) the first and
-        white (1.0) the second.
+        Makes one scene that changes from the first to the second across the canvas:
+
+        * ``"x"``: from left to right
+        * ``"y"``: from top to bottom
+        * ``"radial"``: from the middle to the sides
+        * a grey picture, stretched over the canvas: black (0.0) = the first scene, white (1.0) = the second
     progress : callable, optional
-        Called as ``progress(stage, done, total)`` in this thread; the work stops if it returns False or
-        raises.
+        Function that vtex calls as ``progress(stage, done, total)`` in the caller's thread. `total` is 0 while it is
+        unknown. If the function returns False or raises an exception, the work stops. Default: no function.
 
     Returns
     -------
     Scene or list of Scene
-        A list if `at` is a sequence.
+        A list if `at` is a sequence, else one scene.
 
     Raises
     ------
     InputError
         If the scenes differ in size, or a number is out of range.
     InputTypeError
-        If something has a type that cannot be used.
+        If an argument has a type that vtex cannot use.
     FileError
-        If a file cannot be read.
+        If vtex cannot read a file.
     Interrupted
-        If `progress` returned False.
+        If `progress` returns False.
     """
     ends = _core(first), _core(second)
     if (at is None) == (morph is None):
@@ -175,41 +183,45 @@ def transfer(
     element_scale: float = 1.0,
     seed: int = 0,
 ) -> Scene:
-    """Give the arrangement of one texture the appearance of others.
+    """Combine the arrangement of one texture with the appearance of others.
 
-    Every element keeps its place, size and direction. What is too thin to be drawn anew keeps its shape.
-    A library stands for its exemplar as it is. The same textures, parameters and seed give the same as the
+    Every element keeps its position, size and direction. Extremely thin elements also keep their shape. From a library,
+    vtex uses the arrangement of the exemplar itself. The same textures, parameters and seed give the same scene as the
     program ``vtex transfer``.
 
     Parameters
     ----------
     structure : Scene or Library
-        The texture whose arrangement is kept.
+        The texture that gives the arrangement.
     appearance : Scene, Library or sequence of these
-        The texture whose appearance is taken over; several share the canvas by `map`.
+        The texture that gives the appearance. With several textures, `map` sets where to use which.
     map : picture or sequence of pictures, optional
-        Which appearance is where, for several: one grey picture for two (black the first, white the second),
-        one with a colour for each, or a grey one for each (floats are shares, 0 to 1).
+        Where to use which of several appearances. Use one of these forms:
+
+        * one grey picture for two appearances: black = the first, white = the second
+        * one picture with one colour for each appearance
+        * one grey picture for each appearance. Floats are shares, 0 to 1.
     mode : {"replace", "mean"}, default "replace"
-        Whether each element is replaced by one drawn at random, or takes over mean colours only.
+        What elements take over. ``"replace"`` replaces each element by a random one of similar elongation. ``"mean"``
+        keeps the shapes and shifts the colours to the mean colours of the appearance.
     element_scale : float, default 1.0
         Factor of the size of elements, 0.01 to 100.
     seed : int, default 0
-        Seed of random choices, 0 to 2**64 - 1.
+        Seed of all random choices, 0 to 2**64 - 1.
 
     Returns
     -------
     Scene
-        The texture. Elements that are gone, because the appearance has none of their role, are warned of.
+        The new texture. If the appearance has no elements of a role, vtex removes the elements of this role and warns.
 
     Raises
     ------
     InputError
-        If a parameter is out of range, or what is given does not go together.
+        If a parameter is out of range, or the arguments do not fit each other.
     InputTypeError
-        If something has a type that cannot be used.
+        If an argument has a type that vtex cannot use.
     FileError
-        If a file cannot be read.
+        If vtex cannot read a file.
     """
     several: Sequence[Any] = appearance if isinstance(appearance, (list, tuple)) else [appearance]
     if not several:
@@ -234,41 +246,45 @@ def stylize(
     levels: int = 4,
     seed: int = 0,
 ) -> Scene:
-    """Redraw any picture in the elements of a texture.
+    """Redraw any picture with the elements of a texture.
 
-    Elements follow the edges of the picture, and are small where it has detail. The same picture, texture,
-    parameters and seed give the same as the program ``vtex transfer --onto``.
+    Elements follow the edges in the picture. They are small where the picture has detail. The same picture, texture,
+    parameters and seed give the same scene as the program ``vtex transfer --onto``.
 
     Parameters
     ----------
     picture : path, bytes, file, numpy.ndarray or PIL.Image.Image
-        The picture, of any of the forms that `analyze` takes for a photograph.
+        The picture, in any form that `analyze` accepts for a photograph.
     texture : Scene or Library
-        The texture whose elements are used.
+        The texture that gives the elements.
     keep : {"color", "colour", "lightness", "none"}, default "color"
-        Whether elements take the picture's colours, its lightness, or keep their own, the nearest being used.
+        What elements take from the picture:
+
+        * ``"color"`` or ``"colour"``: its colours
+        * ``"lightness"``: only its lightness
+        * ``"none"``: nothing. vtex uses the elements whose own colours are nearest to the picture.
     longer_side : int, default 1000
-        Longer side of the canvas, 32 to 16384 pixels; the other follows from the picture's proportions.
+        Longer side of the canvas, 32 to 16384 pixels. The canvas has the proportions of the picture.
     element_size : float, optional
-        Distance of the largest elements, 2 to 1000 pixels. Default: a 28th of the longer side.
+        Distance between the largest elements, 2 to 1000 pixels. Default: 1/28 of the longer side.
     levels : int, default 4
-        Number of sizes of elements, each half the one before, 1 to 6.
+        Number of element sizes, 1 to 6. Each size is half of the one before.
     seed : int, default 0
-        Seed of random choices, 0 to 2**64 - 1.
+        Seed of all random choices, 0 to 2**64 - 1.
 
     Returns
     -------
     Scene
-        The picture in elements.
+        The picture, drawn with elements.
 
     Raises
     ------
     InputError
-        If the picture cannot be used, a parameter is out of range, or the elements would be too many.
+        If vtex cannot use the picture, a parameter is out of range, or there would be too many elements.
     InputTypeError
-        If something has a type that cannot be used.
+        If an argument has a type that vtex cannot use.
     FileError
-        If a file cannot be read.
+        If vtex cannot read a file.
     """
     name, content = _inputs.photo(picture, None)
     options = {

@@ -1,4 +1,4 @@
-"""What libraries and scenes share: documents that are read, compared, pickled and shown."""
+"""The base class of libraries and scenes: vtex can read, compare, pickle and show them."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ Core = TypeVar("Core", _vtex.Library, _vtex.Scene)
 
 
 class Document(Generic[Core]):
-    """A compiled document, with what can be done to it whatever it holds."""
+    """A compiled document, and the methods that all documents share."""
 
     __slots__ = ("_core",)
     __hash__ = None  # type: ignore[assignment]
 
     #: The compiled class.
     _kind: ClassVar[type[Any]]
-    #: The function that makes such documents.
+    #: The function that makes documents of this class.
     _maker: ClassVar[str]
     _core: Core
 
@@ -40,25 +40,25 @@ class Document(Generic[Core]):
 
     @classmethod
     def read(cls, path: _inputs.Path) -> Self:
-        """Read a file that `save` or the program has written.
+        """Read a file that `save` or the program wrote.
 
         Parameters
         ----------
         path : str or os.PathLike
-            A ``.lib.json`` of a library, a ``.scene.json`` of a scene, or either with ``.gz``; the content
-            decides, not the name.
+            File of a library (``.lib.json``) or a scene (``.scene.json``), plain or gzip. vtex detects the file type
+            from the content, not from the name.
 
         Returns
         -------
         Library or Scene
-            The class that was asked, checked.
+            An object of this class. vtex has checked its content.
 
         Raises
         ------
         FileError
-            If the file cannot be read.
+            If vtex cannot read the file.
         InputError
-            If it holds something else, or is damaged.
+            If the file is damaged, or contains another kind of document.
         """
         name = _inputs.path_of(path)
         return cls._of(cls._kind.read((name, _vtex.read(name))))
@@ -75,40 +75,40 @@ class Document(Generic[Core]):
         Returns
         -------
         Library or Scene
-            The class that was asked, checked.
+            An object of this class. vtex has checked its content.
 
         Raises
         ------
         InputError
-            If the bytes hold something else, or are damaged.
+            If the bytes are damaged, or contain another kind of document.
         """
         return cls._of(cls._kind.read(_inputs.document(data)))
 
     def to_bytes(self) -> bytes:
-        """Give the document as gzip.
+        """Return the document as JSON, packed with gzip.
 
         Returns
         -------
         bytes
-            Packed JSON; the same for equal documents.
+            The packed JSON. Equal documents give the same bytes.
         """
         return self._core.content(True)
 
     def to_dict(self) -> dict[str, Any]:
-        """Give the document as plain data.
+        """Return the document as plain data.
 
         Returns
         -------
         dict
-            As ``library.schema.json`` or ``scene.schema.json`` in ``schema/`` describes it. Lengths are pixels
-            of the exemplar or the canvas, x to the right, y down.
+            Data in the form that ``schema/library.schema.json`` or ``schema/scene.schema.json`` describes. Lengths are
+            in pixels of the exemplar or the canvas, x to the right, y down.
         """
         document: dict[str, Any] = json.loads(self._core.content(False))
         return document
 
     @property
     def layers(self) -> list[Layer]:
-        """Its layers, in painting order."""
+        """Layers of the document, in painting order."""
         return [Layer(*layer) for layer in self._core.layers]
 
     def __eq__(self, other: object) -> bool:
@@ -118,7 +118,7 @@ class Document(Generic[Core]):
         return type(self).from_bytes, (self.to_bytes(),)
 
     def _as_scene(self) -> _vtex.Scene:
-        """Give the document as a scene, which notebooks show."""
+        """Return the document as a scene, which notebooks show."""
         raise NotImplementedError
 
     def _repr_mimebundle_(

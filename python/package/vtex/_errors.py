@@ -1,4 +1,4 @@
-"""Exceptions. All are `Error`, each also the standard one that Python programs expect."""
+"""Exceptions. All are `Error`, and most are also a standard exception of Python."""
 
 from __future__ import annotations
 
@@ -16,36 +16,36 @@ Parameters
 message : str
     What is wrong.
 hint : str, optional
-    What to try, in one sentence without a full stop.
+    What to try, in one sentence without a full stop. Default: no hint.
 """
 
 
 class Error(Exception):
-    """Anything that goes wrong in vtex.
+    """Base class of all errors of vtex.
 
     Parameters
     ----------
     message : str
         What is wrong.
     hint : str, optional
-        What to try, in one sentence without a full stop.
+        What to try, in one sentence without a full stop. Default: no hint.
 
     Attributes
     ----------
     hint : str or None
-        What to try, in one sentence without a full stop; None where there is nothing to say.
+        What to try, in one sentence without a full stop. None = no hint.
     """
 
     hint: str | None
 
     def __init_subclass__(cls) -> None:
-        """Document the parameters that all share."""
+        """Document the parameters that all errors share."""
         cls.__doc__ = f"{inspect.cleandoc(cls.__doc__ or cls.__base__.__doc__ or '')}\n{_SHARED}"
 
     def __init__(self, message: str, hint: str | None = None) -> None:
         super().__init__(message)
         self.hint = hint
-        # A traceback shows it below the message.
+        # A traceback shows the hint below the message.
         if hint is not None and hasattr(self, "add_note"):
             self.add_note(f"hint: {hint}")
 
@@ -58,35 +58,35 @@ class Error(Exception):
 
 
 class InputError(Error, ValueError):
-    """A value that cannot be used: a parameter out of range, a damaged file, a picture too small."""
+    """A value that vtex cannot use: a parameter out of range, a damaged file, or a picture that is too small."""
 
 
 class InputTypeError(Error, TypeError):
-    """Something of a type that cannot be used, such as an array of floats for a photograph."""
+    """A value whose type vtex cannot use, such as an array of floats for a photograph."""
 
 
 class FileError(Error, OSError):
-    """A file that cannot be read or written; `filename` and `errno` say which and why."""
+    """A file that vtex cannot read or write; `filename` and `errno` contain the file and the reason."""
 
 
 class EngineError(Error, RuntimeError):
-    """A neural network, or what runs it, that does not work."""
+    """A neural network, or an engine that runs networks, that does not work."""
 
 
 class Interrupted(Error):
-    """The progress function answered False, so the work was stopped."""
+    """The work stopped because the progress function returned False."""
 
 
 class VtexWarning(UserWarning):
-    """Something that the user should know; the work went on."""
+    """A problem that does not stop the work."""
 
 
 def _kind(standard: type[OSError]) -> type[FileError]:
-    """Make the class of a file's error that Python has a name for. Tracebacks show that name."""
+    """Return the class for a file error that has a name in Python. Tracebacks show this name."""
     return type(standard.__name__, (FileError, standard), {"__doc__": inspect.getdoc(standard)})
 
 
-#: The classes of errors of files that have a name, by number.
+#: The classes of file errors that have a name in Python, by error number.
 KINDS = {
     number: _kind(standard)
     for number, standard in (
@@ -100,7 +100,7 @@ KINDS = {
 
 
 def file_error(number: int | None, message: str, hint: str | None, path: str | os.PathLike[str]) -> FileError:
-    """Make the exception for a file, of the class that Python has for the number of its error."""
+    """Return the exception for a file error. Its class is the one that Python uses for the same error number."""
     usual = errno.EACCES if number == errno.EPERM else number
     error = KINDS.get(usual, FileError)(message, hint) if usual is not None else FileError(message, hint)
     error.errno = number
@@ -110,7 +110,7 @@ def file_error(number: int | None, message: str, hint: str | None, path: str | o
 
 
 def warn(message: str) -> None:
-    """Warn at the line that called vtex."""
+    """Issue a warning at the line that called vtex."""
     level = 1
     frame: FrameType | None = sys._getframe()
     while frame is not None and str(frame.f_globals.get("__name__")).partition(".")[0] == "vtex":

@@ -1,4 +1,4 @@
-"""What users give, brought into the few forms that the compiled half takes."""
+"""Convert the arguments of users to the few forms that the compiled half accepts."""
 
 from __future__ import annotations
 
@@ -23,17 +23,17 @@ class PillowImage(Protocol):
     info: dict[Any, Any]
 
     def convert(self, mode: str) -> PillowImage:
-        """Give the same picture in another mode."""
+        """Return the same picture in another mode."""
         ...
 
 
 Path: TypeAlias = Union[str, "os.PathLike[str]"]
-#: A picture: the path of a file, its bytes, an SVG as text, a file open for reading, an array, or an image of Pillow.
+#: A picture: the path of a file, its bytes, the text of an SVG, an open file, an array, or an image of Pillow.
 Picture: TypeAlias = Union[Path, bytes, bytearray, memoryview, IO[bytes], npt.NDArray[Any], PillowImage]
-#: The size of a canvas: pixels, lengths such as ``"300mm"``, or width and height of either kind.
+#: The size of a canvas: a number of pixels, a length such as ``"300mm"``, or two of these for width and height.
 Size: TypeAlias = Union[int, str, Sequence[int], Sequence[str]]
-#: Called with the name of a stage, the steps done, and the steps in all (0 while that is unknown). The
-#: work goes on unless it answers False or raises.
+#: Function that vtex calls with the name of a stage, the steps done and the number of steps (0 while it is unknown).
+#: The work stops if the function returns False or raises an exception.
 Progress: TypeAlias = Callable[[str, int, int], Union[bool, None]]
 
 Named: TypeAlias = "tuple[str, bytes]"
@@ -43,22 +43,22 @@ _SIDES = 2
 _BYTES = "give height x width x 3 of uint8, 0 to 255: array.astype('uint8')"
 
 
-#: What an SVG given as text begins with.
+#: The text of an SVG begins with one of these.
 _SVG = ("<svg", "<?xml", "<!--", "<!DOCTYPE svg")
 
 
 def is_svg(text: str) -> bool:
-    """Tell whether text is an SVG, not the path of one."""
+    """Return whether text is an SVG, not a path."""
     return text.lstrip("\ufeff \t\r\n").startswith(_SVG)
 
 
 def names_file(text: str) -> bool:
-    """Tell whether text that may be the name of something is a path, or an SVG."""
+    """Return whether text that may be a name is a path or an SVG."""
     return "." in text or is_svg(text)
 
 
 def path_of(path: Path) -> str:
-    """Give a path as text."""
+    """Return a path as text."""
     text = os.fspath(path)
     if not isinstance(text, str):
         raise InputTypeError("a path of bytes cannot be used", "give str or pathlib.Path")
@@ -66,7 +66,7 @@ def path_of(path: Path) -> str:
 
 
 def contents(source: Picture, name: str | None) -> tuple[str, bytes] | None:
-    """Give the name and the bytes of a file, in whatever form; None for what is no file."""
+    """Return the name and the bytes of a file in any form, or None if the source is not a file."""
     if isinstance(source, str) and is_svg(source):
         data = source.lstrip("\ufeff \t\r\n").encode("utf-8", "replace")
         return name or f"text-{hashlib.sha256(data).hexdigest()[:12]}.svg", data
@@ -89,11 +89,11 @@ def contents(source: Picture, name: str | None) -> tuple[str, bytes] | None:
 
 
 def pixels_of_pillow(image: Any) -> npt.NDArray[Any]:
-    """Give the pixels of an image of Pillow as a file of it would be read, without its colour profile."""
+    """Return the pixels of an image of Pillow as vtex reads them from a file, but without its colour profile."""
     from PIL import ImageOps
 
     try:
-        # As files are read: turned by what the camera noted.
+        # Turn it by the orientation that the camera stored, as for files.
         image = ImageOps.exif_transpose(image)
         if image.mode not in ("L", "RGB", "RGBA", "I;16"):
             if image.mode in ("I", "F"):
@@ -107,17 +107,17 @@ def pixels_of_pillow(image: Any) -> npt.NDArray[Any]:
 
 
 def is_pillow(source: object) -> bool:
-    """Tell whether something is an image of Pillow, without importing that."""
+    """Return whether an object is an image of Pillow. This function does not import Pillow."""
     return any(kind.__module__ == "PIL.Image" for kind in type(source).__mro__)
 
 
 def has_pixels(source: object) -> bool:
-    """Tell whether something is an array, or can be read as one."""
+    """Return whether an object is an array, or numpy can read it as one."""
     return isinstance(source, np.ndarray) or hasattr(source, "__array__") or hasattr(source, "__array_interface__")
 
 
 def array_of(source: object, role: str) -> npt.NDArray[Any]:
-    """Give what has pixels as an array of two or three axes."""
+    """Return an object with pixels as an array of two or three axes."""
     if is_pillow(source):
         return pixels_of_pillow(source)
     if has_pixels(source):
@@ -142,13 +142,13 @@ def array_of(source: object, role: str) -> npt.NDArray[Any]:
 
 
 def photo(source: Picture, name: str | None) -> tuple[str, bytes | npt.NDArray[Any]]:
-    """Give a photograph as bytes or as pixels of 8 bits."""
+    """Return a photograph as bytes, or as pixels of 8 bits."""
     file = contents(source, name)
     if file is not None:
         return file
     array = array_of(source, "the photograph")
     if array.dtype == np.uint16:
-        # Rounded as the samples of a file are.
+        # Round as for the samples of a file.
         array = ((array.astype(np.uint32) + 128) // 257).astype(np.uint8)
     elif array.dtype == np.bool_:
         array = array.astype(np.uint8) * 255
@@ -161,7 +161,7 @@ def photo(source: Picture, name: str | None) -> tuple[str, bytes | npt.NDArray[A
 
 
 def picture(source: Picture | None, role: str, most: float = 1.0) -> Named | None:
-    """Give a picture that steers as the bytes of a file; floats are 0 to `most`."""
+    """Return a control picture as the bytes of a file. Floats are 0 to `most`."""
     if source is None:
         return None
     file = contents(source, None)
@@ -183,7 +183,7 @@ def picture(source: Picture | None, role: str, most: float = 1.0) -> Named | Non
 
 
 def size_of(size: Size | None) -> tuple[int, int] | tuple[str, str] | None:
-    """Give width and height of a canvas in pixels, or those of a page as lengths."""
+    """Return the width and height of a canvas in pixels, or those of a page as lengths."""
     if size is None:
         return None
     hint = "give a number of pixels, a length such as '300mm', or (width, height)"
@@ -206,7 +206,7 @@ def size_of(size: Size | None) -> tuple[int, int] | tuple[str, str] | None:
 
 
 def plain(value: object) -> Any:
-    """Give a number of numpy as Python has it, for JSON."""
+    """Return a number of numpy as a number of Python, for JSON."""
     if isinstance(value, np.generic):
         return value.item()
     if isinstance(value, np.ndarray):
@@ -215,7 +215,7 @@ def plain(value: object) -> Any:
 
 
 def to_json(value: object) -> str:
-    """Write parameters for the compiled half."""
+    """Return parameters as JSON for the compiled half."""
     try:
         return json.dumps(value, default=plain, allow_nan=False)
     except ValueError:
@@ -223,7 +223,7 @@ def to_json(value: object) -> str:
 
 
 def whole(name: str, value: object, least: int, most: int) -> int:
-    """Give a whole number in a range."""
+    """Return a whole number, if it is in a range."""
     if isinstance(value, bool) or not isinstance(value, (int, np.integer)):
         raise InputTypeError(f"{name} = {value!r} is no whole number", f"give {least} to {most}")
     if not least <= value <= most:
@@ -232,17 +232,17 @@ def whole(name: str, value: object, least: int, most: int) -> int:
 
 
 def seed_of(seed: int) -> int:
-    """Give the seed of random choices."""
+    """Return the seed of random choices, if it is in its range."""
     return whole("seed", seed, 0, 2**64 - 1)
 
 
 def is_number(value: object) -> TypeGuard[float]:
-    """Tell whether something is a number; True and False are none."""
+    """Return whether an object is a number. True and False are not numbers."""
     return isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
 
 
 def number(name: str, value: object, least: float, most: float) -> float:
-    """Give a number in a range."""
+    """Return a number, if it is in a range."""
     if not is_number(value):
         raise InputTypeError(f"{name} = {value!r} is no number", f"give {least:g} to {most:g}")
     if not least <= value <= most:
@@ -251,7 +251,7 @@ def number(name: str, value: object, least: float, most: float) -> float:
 
 
 def pair(name: str, value: object, second: float | None = None) -> list[Any]:
-    """Give numbers for x and y; a single one is for both, or `second` is that for y."""
+    """Return numbers for x and y. A single number is for both, unless `second` is the number for y."""
     value = value.tolist() if isinstance(value, np.ndarray) else value
     if is_number(value):
         return [value, value if second is None else second]
@@ -261,7 +261,7 @@ def pair(name: str, value: object, second: float | None = None) -> list[Any]:
 
 
 def document(data: object) -> Named:
-    """Give the bytes of a document."""
+    """Return the bytes of a document, with a name."""
     if not isinstance(data, (bytes, bytearray, memoryview)):
         raise InputTypeError(f"{type(data).__name__} are no bytes", "to read a file, call read")
     return "bytes", bytes(data)

@@ -1,4 +1,4 @@
-"""Layers, as libraries and scenes list them."""
+"""Layers of libraries and scenes."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ class Layer(NamedTuple):
     Parameters
     ----------
     name : str
-        Its name, by which edits select it.
+        Name of the layer. Edits select a layer by its name.
     role : {"primary", "secondary", "background"}
-        What its elements are to the texture.
+        Function of its elements in the texture.
     instances : int
-        Number of its elements at their places.
+        Number of placed elements in the layer.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""Libraries: what analysis knows of an exemplar."""
+"""Libraries: what the analysis found in an exemplar."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from vtex._document import Document
 
 
 class Library(Document[_vtex.Library]):
-    """The elements of an exemplar, and how they are arranged: what `synthesize` makes textures of.
+    """The elements of an exemplar and their arrangement; `synthesize` makes textures from it.
 
-    Libraries do not change. They are equal if their content is, and pickled as the bytes of their
-    document. `analyze` makes them, `read` and `from_bytes` bring them back.
+    Libraries do not change. Two libraries are equal if their content is equal. ``pickle`` stores the bytes of the
+    document. `analyze` makes a library, and `read` and `from_bytes` read one.
     """
 
     __slots__ = ()
@@ -23,24 +23,24 @@ class Library(Document[_vtex.Library]):
     _maker = "vtex.analyze"
 
     def save(self, path: _inputs.Path, *, force: bool = False) -> int:
-        """Write the library to a file, as a whole or not at all.
+        """Write the library to a file, complete or not at all.
 
         Parameters
         ----------
         path : str or os.PathLike
-            A name that ends in ``.lib.json`` or ``.lib.json.gz``.
+            Name of the file. It ends in ``.lib.json`` or ``.lib.json.gz``.
         force : bool, default False
-            Whether to replace a file that vtex did not write, or that was changed since.
+            Whether to replace a file that vtex did not write, or that was changed after vtex wrote it.
 
         Returns
         -------
         int
-            Bytes written.
+            Number of bytes written.
 
         Raises
         ------
         FileError
-            If the file cannot be written, or is there and not vtex's own.
+            If vtex cannot write the file, or may not replace it (see `force`).
         InputError
             If the name has another ending.
         """
@@ -58,12 +58,12 @@ class Library(Document[_vtex.Library]):
 
     @property
     def file(self) -> str:
-        """Name of the exemplar's file, without its folder."""
+        """File name of the exemplar, without its folder."""
         return self._core.file
 
     @property
     def is_drawing(self) -> bool:
-        """Whether the exemplar is an SVG, not a photograph."""
+        """Whether the exemplar is a drawing, not a photograph."""
         return self._core.drawing
 
     @property
@@ -78,27 +78,27 @@ class Library(Document[_vtex.Library]):
 
     @property
     def elements(self) -> int:
-        """Number of elements, large and small."""
+        """Number of elements, primary and secondary."""
         return self._core.elements
 
     @property
     def primaries(self) -> int:
-        """Number of primary elements, those that have a category."""
+        """Number of primary elements. Each of them has a category."""
         return self._core.primaries
 
     @property
     def categories(self) -> list[Category]:
-        """Categories of primary elements, by number."""
+        """Categories of the primary elements, by number."""
         return [Category(*category) for category in self._core.categories]
 
     @property
     def warnings(self) -> list[str]:
-        """What analysis had to say, a sentence each."""
+        """Warnings of the analysis, one sentence each."""
         return self._core.warnings
 
     @property
     def parameters(self) -> dict[str, Any]:
-        """The parameters of its analysis, by name."""
+        """Parameters of the analysis, by name."""
         parameters: dict[str, Any] = json.loads(self._core.parameters)
         return parameters
 

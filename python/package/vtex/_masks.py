@@ -1,4 +1,4 @@
-"""Masks, in the forms that segmenters give them."""
+"""Masks, in the forms that segmenters return."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ _FORMS = "give height x width of whole numbers (0 for none, 1, 2, ... for each m
 
 
 def masks_of(source: Masks | None) -> _inputs.Named | None:
-    """Give masks as the bytes of a file.
+    """Return masks as the bytes of a file.
 
-    Arrays of whole numbers hold a label for each pixel, 0 where there is none. Boolean arrays hold a mask each,
-    which may overlap.
+    Arrays of whole numbers contain a label for each pixel; 0 = no element. Arrays of bool contain one mask each. These
+    masks may overlap.
     """
     if source is None:
         return None
@@ -34,11 +34,11 @@ def masks_of(source: Masks | None) -> _inputs.Named | None:
         return "array", _encoded(_each(source))
     file = _inputs.contents(source, None)  # type: ignore[arg-type]
     if file is not None:
-        # They are named after the file alone in the library.
+        # The library stores the file name without its folder.
         return os.path.basename(file[0]), file[1]
     array = np.asarray(source) if _inputs.has_pixels(source) else _inputs.array_of(source, "masks")
     if array.dtype == np.bool_ and array.ndim in (3, 4):
-        # Predictors give a mask for each prompt, and more than one where asked to.
+        # Predictors return one or several masks for each prompt.
         stacked = array.reshape(-1, *array.shape[-2:])
         return "array", _encoded((1.0, mask) for mask in stacked)
     return "array", _labels(array)
@@ -49,7 +49,7 @@ def _is_sequence(source: object) -> TypeGuard[Sequence[Any]]:
 
 
 def _labels(array: npt.NDArray[Any]) -> bytes:
-    """Give a map of labels as PNG."""
+    """Return a map of labels as PNG."""
     if array.ndim == 3 and array.shape[2] == 1:
         array = array[:, :, 0]
     if array.ndim != 2 or 0 in array.shape or array.dtype.kind not in "biu":
@@ -63,7 +63,7 @@ def _labels(array: npt.NDArray[Any]) -> bytes:
 
 
 def _each(several: Iterable[Any]) -> Iterator[_Found]:
-    """Give masks of a list, with how sure the segmenter is of them."""
+    """Return each mask of a list, with the score that the segmenter gave it."""
     for number, one in enumerate(several):
         score, mask = 1.0, one
         if isinstance(one, Mapping):
@@ -85,14 +85,14 @@ def _each(several: Iterable[Any]) -> Iterator[_Found]:
 
 
 def _share(value: object, name: str) -> float:
-    """Give a share; an estimate of one may lie a little beyond 0 or 1."""
+    """Return a share. vtex clips estimates that are slightly below 0 or above 1."""
     if not _inputs.is_number(value) or math.isnan(value):
         raise InputTypeError(f"{name} = {value!r} is no number", "give 0 to 1")
     return float(min(max(value, 0.0), 1.0))
 
 
 def _encoded(masks: Iterable[_Found]) -> bytes:
-    """Give masks as vtex's own JSON."""
+    """Return masks in vtex's own JSON."""
     shape, stored = None, []
     for score, mask in masks:
         if shape not in (None, mask.shape):
@@ -110,7 +110,7 @@ def _encoded(masks: Iterable[_Found]) -> bytes:
 
 
 def _run_lengths(coded: Mapping[str, Any], number: int) -> npt.NDArray[np.bool_]:
-    """Give a mask of COCO's run lengths, which go down the columns, off before on."""
+    """Return a mask from COCO's run lengths. They run down the columns and start with pixels outside the mask."""
     try:
         height, width = (int(side) for side in coded["size"])
         counts = coded["counts"]
@@ -125,7 +125,7 @@ def _run_lengths(coded: Mapping[str, Any], number: int) -> npt.NDArray[np.bool_]
 
 
 def _unpacked(packed: str | bytes) -> list[int]:
-    """Give run lengths of the text that pycocotools packs them in: five bits a sign, from the third on as steps."""
+    """Return run lengths from text packed by pycocotools: five bits a character, and steps from the third number on."""
     text = packed.encode() if isinstance(packed, str) else packed
     runs: list[int] = []
     place = 0

@@ -16,11 +16,11 @@ from vtex.edits import Edit, _asked
 
 
 class Scene(Document[_vtex.Scene]):
-    """A texture: layers of elements at their places, over fields of colour.
+    """A texture: layers of placed elements over a background of smooth colours.
 
-    Scenes do not change; `edit` gives another. They are equal if their content is, and pickled as the
-    bytes of their document. Coordinates are pixels of the canvas, x to the right, y down. A notebook
-    shows a scene as its picture.
+    Scenes do not change; `edit` returns a new scene. Two scenes are equal if their content is equal. ``pickle`` stores
+    the bytes of the document. Coordinates are in pixels of the canvas, x to the right, y down. A notebook shows a scene
+    as a picture.
     """
 
     __slots__ = ()
@@ -37,22 +37,22 @@ class Scene(Document[_vtex.Scene]):
         max_bytes: int | None = None,
         background: str | None = None,
     ) -> str:
-        """Write the scene as SVG.
+        """Return the scene as SVG.
 
         Parameters
         ----------
         precision : int, default 1
-            Decimals of numbers, 0 to 6.
+            Number of decimals, 0 to 6.
         expand : bool, default False
-            Whether elements are written in full, not as ``<symbol>`` and ``<use>``.
+            Whether to write every element in full, not as ``<symbol>`` and ``<use>``.
         css : bool, default False
-            Whether CSS rules are written, by which categories are recoloured.
+            Whether to write CSS rules that can recolour each category.
         max_bytes : int, optional
-            Maximum file size, 1 to 10**12: drops decimals and names, then outline detail, then what
-            is seen least. Default: no limit.
+            Maximum file size, 1 to 10**12 bytes. To stay below it, vtex drops decimals and names, then outline detail,
+            then the least visible shapes. Default: no limit.
         background : str, optional
-            Background of one colour (``"#rrggbb"``, ``"#rgb"`` or a name of CSS) in place of the
-            exemplar's, or ``"none"``. Default: the exemplar's.
+            Background of one colour in place of the exemplar's: ``"#rrggbb"``, ``"#rgb"`` or a CSS colour name.
+            ``"none"`` = transparent between the elements. Default: the background of the exemplar.
 
         Returns
         -------
@@ -62,18 +62,18 @@ class Scene(Document[_vtex.Scene]):
         Raises
         ------
         InputError
-            If a parameter is out of range, or nothing that can be given up makes the text small enough.
+            If a parameter is out of range, or vtex cannot make the text as small as `max_bytes`.
         """
         options = _showing.options(precision, expand, css, max_bytes, 1.0, background)
         return self._core.encode(".svg", options).decode()
 
     def pdf(self, *, background: str | None = None) -> bytes:
-        """Write the scene as PDF, 96 pixels to the inch.
+        """Return the scene as PDF, with the size of its `page`, or else 96 pixels per inch.
 
         Parameters
         ----------
         background : str, optional
-            As for `svg`.
+            See `svg`.
 
         Returns
         -------
@@ -83,14 +83,14 @@ class Scene(Document[_vtex.Scene]):
         return self._core.encode(".pdf", _showing.options(background=background))
 
     def png(self, *, scale: float = 1.0, background: str | None = None) -> bytes:
-        """Draw the scene as PNG, with transparency where there is any.
+        """Return the scene as PNG. Transparent areas remain transparent.
 
         Parameters
         ----------
         scale : float, default 1.0
-            Pixels of the picture for each pixel of the canvas, 0.01 to 100.
+            Pixels of the picture for each pixel of the canvas, or of a page in pixels, 0.01 to 100.
         background : str, optional
-            As for `svg`.
+            See `svg`.
 
         Returns
         -------
@@ -102,21 +102,22 @@ class Scene(Document[_vtex.Scene]):
     def render(
         self, *, scale: float = 1.0, background: str | None = None, alpha: bool = False
     ) -> npt.NDArray[np.uint8]:
-        """Draw the scene.
+        """Draw the scene as an array of pixels.
 
         Parameters
         ----------
         scale : float, default 1.0
-            Pixels of the picture for each pixel of the canvas, 0.01 to 100.
+            Pixels of the picture for each pixel of the canvas, or of a page in pixels, 0.01 to 100.
         background : str, optional
-            As for `svg`.
+            See `svg`.
         alpha : bool, default False
-            Whether the opacity is given too; if not, what is transparent shows white.
+            Whether to return the opacity too. If False, transparent areas are white.
 
         Returns
         -------
         numpy.ndarray
-            Shape height x width x 3, or x 4 with `alpha` (not multiplied by it); uint8, sRGB 0 to 255.
+            Array height x width x 3 of uint8: sRGB, 0 to 255. With `alpha`, height x width x 4, and the colours are not
+            multiplied by the opacity.
 
         Raises
         ------
@@ -137,37 +138,37 @@ class Scene(Document[_vtex.Scene]):
         background: str | None = None,
         force: bool = False,
     ) -> int:
-        """Write the scene to a file, as a whole or not at all.
+        """Write the scene to a file, complete or not at all.
 
         Parameters
         ----------
         path : str or os.PathLike
-            Its ending says the format: ``.svg``, ``.svgz``, ``.pdf``, ``.png``, ``.scene.json`` or
+            Name of the file. Its ending sets the format: ``.svg``, ``.svgz``, ``.pdf``, ``.png``, ``.scene.json`` or
             ``.scene.json.gz``.
         precision : int, default 1
-            As for `svg`, and for SVGs only.
+            See `svg`. For SVG only.
         expand : bool, default False
-            As for `svg`, and for SVGs only.
+            See `svg`. For SVG only.
         css : bool, default False
-            As for `svg`, and for SVGs only.
+            See `svg`. For SVG only.
         max_bytes : int, optional
-            As for `svg`, and for SVGs and PDFs.
+            See `svg`. For SVG and PDF only.
         scale : float, default 1.0
-            As for `render`; for PNGs only.
+            See `render`. For PNG only.
         background : str, optional
-            As for `svg`.
+            See `svg`.
         force : bool, default False
-            Whether to replace a file that vtex did not write, or that was changed since.
+            Whether to replace a file that vtex did not write, or that was changed after vtex wrote it.
 
         Returns
         -------
         int
-            Bytes written.
+            Number of bytes written.
 
         Raises
         ------
         FileError
-            If the file cannot be written, or is there and not vtex's own.
+            If vtex cannot write the file, or may not replace it (see `force`).
         InputError
             If the name has another ending, or a parameter is out of range.
         """
@@ -175,26 +176,26 @@ class Scene(Document[_vtex.Scene]):
         return self._core.save(_inputs.path_of(path), options, force)
 
     def edit(self, *edits: Edit | Iterable[Edit], seed: int | None = None) -> Scene:
-        """Do edits one after the other.
+        """Apply edits, one after the other.
 
         Parameters
         ----------
         *edits : Edit or sequence of Edit
-            What to do: `Tint`, `Shadow`, `Thin` and the other classes of `vtex.edits`, one by one or in lists.
+            The edits: `Tint`, `Shadow`, `Thin` and the other classes of `vtex.edits`, one by one or in lists.
         seed : int, optional
-            Seed of random choices, 0 to 2**64 - 1. Default: the scene's own.
+            Seed of all random choices, 0 to 2**64 - 1. Default: the seed of the scene.
 
         Returns
         -------
         Scene
-            The new scene, which also records the edits. What they select nothing for is warned of.
+            The new scene, which also records the edits. vtex warns of an edit that selects no elements.
 
         Raises
         ------
         InputError
-            If an edit cannot be done: a number out of range, a layer that is not there.
+            If an edit is impossible, for example because a number is out of range or a layer does not exist.
         InputTypeError
-            If something is no edit.
+            If an argument has a type that vtex cannot use.
         """
         asked, files = _asked(edits)
         core, _ = self._core.edit(_inputs.to_json(asked), files, None if seed is None else _inputs.seed_of(seed))
@@ -212,22 +213,22 @@ class Scene(Document[_vtex.Scene]):
 
     @property
     def page(self) -> tuple[str, str] | None:
-        """Width and height at which files show the canvas, e.g. ``("300mm", "200mm")``; None at 96 px to the inch."""
+        """Width and height of the page in files, such as ``("300mm", "200mm")``. None = 96 pixels per inch."""
         return self._core.page
 
     @property
     def seed(self) -> int | None:
-        """Seed of its random choices; None for a reconstruction."""
+        """Seed of the random choices. None for a reconstruction."""
         return self._core.seed
 
     @property
     def tile(self) -> str:
-        """Axes along which it repeats without a seam: ``"none"``, ``"both"``, ``"x"`` or ``"y"``."""
+        """Axes along which the scene repeats without a seam: ``"none"``, ``"both"``, ``"x"`` or ``"y"``."""
         return {(False, False): "none", (True, True): "both", (True, False): "x", (False, True): "y"}[self._core.tile]
 
     @property
     def exemplars(self) -> list[str]:
-        """Names of the files of its exemplars."""
+        """File names of the exemplars."""
         return self._core.exemplars
 
     @property
@@ -237,26 +238,26 @@ class Scene(Document[_vtex.Scene]):
 
     @property
     def instances(self) -> int:
-        """Number of elements at their places."""
+        """Number of placed elements."""
         return self._core.instances
 
     @property
     def categories(self) -> list[Category]:
-        """Categories of which it shows elements, by library and number.
+        """Categories of the elements in the scene, by library and number.
 
-        Their coverage is counted in the picture: what others hide does not count.
+        Their coverage is measured in the picture. Parts that other elements hide do not count.
         """
         return [Category(*category) for category in self._core.categories]
 
     @property
     def parameters(self) -> dict[str, Any] | None:
-        """The parameters of its synthesis, by name; None for a reconstruction."""
+        """Parameters of the synthesis, by name. None for a reconstruction."""
         parameters: dict[str, Any] | None = json.loads(self._core.parameters)
         return parameters
 
     @property
     def edits(self) -> list[dict[str, Any]]:
-        """What was done to it since, in order, as plain data."""
+        """Edits applied after the synthesis, in order, as plain data."""
         edits: list[dict[str, Any]] = json.loads(self._core.edits)
         return edits
 

@@ -1,4 +1,4 @@
-"""How scenes are written and drawn, and how notebooks show them."""
+"""How vtex writes and draws scenes, and how notebooks show them."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from vtex import _inputs, _vtex
 
 _SVG = "image/svg+xml"
 _PNG = "image/png"
-#: Most bytes of an SVG that a notebook shows; beyond, the picture of pixels must do.
+#: Maximum number of bytes of an SVG that a notebook shows. Above it, the notebook shows a PNG.
 _SHOWN_BYTES = 1_000_000
-#: Longest side of the picture of pixels that a notebook shows.
+#: Longer side of the PNG that a notebook shows, in pixels.
 _SHOWN_SIDE = 800
 
 
@@ -23,7 +23,7 @@ def options(
     scale: float = 1.0,
     background: str | None = None,
 ) -> str:
-    """Give the options of writing and drawing for the compiled half."""
+    """Return the options for writing and drawing, as JSON for the compiled half."""
     return _inputs.to_json(
         {
             "precision": _inputs.whole("precision", precision, 0, 6),
@@ -37,7 +37,7 @@ def options(
 
 
 def picture(scene: _vtex.Scene, include: Collection[str] | None, exclude: Collection[str] | None) -> dict[str, Any]:
-    """Give the one picture that a notebook shows and stores: the SVG, or pixels where that is long or not wanted."""
+    """Return the one picture that a notebook shows and stores: the SVG, or a PNG if the SVG is long or excluded."""
     wanted = {kind for kind in (_SVG, _PNG) if (not include or kind in include) and kind not in (exclude or ())}
     if _SVG in wanted:
         text = scene.encode(".svg", options())

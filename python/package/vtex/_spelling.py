@@ -11,14 +11,14 @@ Made = TypeVar("Made", bound=Callable[..., Any])
 
 
 def other(name: str) -> str:
-    """Give a name in the other spelling, the same name if it has only one."""
+    """Return a name in the other spelling, or the same name if it has only one."""
     if "colour" in name:
         return name.replace("colour", "color")
     return name.replace("color", "colour")
 
 
 def known(given: dict[str, Any], names: Collection[str], caller: str) -> dict[str, Any]:
-    """Give arguments under the names that a callable has, whichever spelling they were given in."""
+    """Return arguments under the names that a callable has, whatever their spelling."""
     found = {}
     for name, value in given.items():
         named = name if name in names or other(name) not in names else other(name)
@@ -29,7 +29,7 @@ def known(given: dict[str, Any], names: Collection[str], caller: str) -> dict[st
 
 
 def both(function: Made) -> Made:
-    """Let a function take its arguments in either spelling."""
+    """Let a function accept its arguments in both spellings."""
     names = frozenset(inspect.signature(function).parameters)
 
     @functools.wraps(function)
@@ -40,11 +40,11 @@ def both(function: Made) -> Made:
 
 
 class Spelled(type):
-    """The class of classes whose parameters are given, and read, in either spelling."""
+    """Metaclass of classes that accept and return their parameters in both spellings."""
 
     @property
     def __signature__(cls) -> inspect.Signature:
-        """What `help` and editors show: the parameters as they are declared."""
+        """Signature that `help` and editors show: the declared parameters."""
         made = inspect.signature(cls.__init__)  # type: ignore[misc]
         return made.replace(parameters=list(made.parameters.values())[1:], return_annotation=made.empty)
 

@@ -1,4 +1,4 @@
-"""Libraries to scene."""
+"""From libraries to a scene."""
 
 from __future__ import annotations
 
@@ -47,89 +47,114 @@ def synthesize(
     source: _inputs.Picture | None = None,
     progress: _inputs.Progress | None = None,
 ) -> Scene:
-    """Make a texture of any size like the exemplar of a library.
+    """Make a texture of any size that looks like the exemplar of a library.
 
-    The same libraries, parameters and seed give the same scene on any number of threads, and the same
-    as the program ``vtex synth``. Lengths are pixels of the canvas. Pictures that steer are stretched
-    over the canvas; they are paths, bytes, open files, images of Pillow, or arrays height x width (greys
-    of uint8, or floats as said below) or height x width x 3 of uint8.
+    The same libraries, parameters and seed give the same scene, on any number of threads. The program ``vtex synth``
+    makes the same scene. Lengths are in pixels of the canvas.
+
+    `domain`, `density`, `map`, `control` and `guide` accept pictures, which vtex stretches over the canvas. A picture
+    is a path, bytes, an open file, an image of Pillow or an array. An array is height x width (greys of uint8, or
+    floats in the range below) or height x width x 3 of uint8.
 
     Parameters
     ----------
     library : Library or sequence of Library
-        What the texture is made of. Several, at most 16, share the canvas by `map`.
+        One library, or up to 16. With several libraries, `map` sets where to use which.
     size : int, str, or a pair of them, optional
-        Width and height of the canvas, 1 to 100 000 pixels each, at most 400 megapixels; units of a drawing count as
-        pixels. Or lengths in mm, cm, m, in or pt, as in ``"300mm"``, ``"3mx1m"`` or ``("3m", "1m")``: the size of the
-        page, which files state exactly. Default: 1000, or three by three pages of a drawing, shown at 900 pixels.
+        Width and height of the canvas, 1 to 100 000 pixels each, at most 400 megapixels. For a drawing, one pixel is
+        one unit of the drawing. Or width and height of the page, in mm, cm, m, in or pt: ``"300mm"``, ``"3mx1m"`` or
+        ``("3m", "1m")``. Files state this size exactly. Default: 1000. For the library of one drawing, three by three
+        of its pages, or fewer if these have very many elements. Files then show the longer side at 900 pixels.
     dpi : int, optional
-        Pixels of the canvas per inch of its page, 1 to 9600. Default: as many pixels as the default size has for a size
-        in lengths, so that elements are as large in relation to the page as they are there.
+        Pixels of the canvas per inch of the page, 1 to 9600. Default: with a `size` in lengths, the canvas has as many
+        pixels as the default canvas. So elements are as large in relation to the page as on the default canvas. A
+        `size` in pixels sets no page.
     seed : int, default 0
-        Seed of random choices, 0 to 2**64 - 1.
+        Seed of all random choices, 0 to 2**64 - 1.
     method : {"auto", "correspondence", "descriptor", "period", "clustered", "curves"}, default "auto"
-        How elements are placed: carried from the exemplar along a field of correspondences, one by one
-        by the descriptors of their neighbours, by the period of a drawing, by clusters of samples for a
-        drawing, as curves for a drawing of lines that run on, or as the library allows.
+        How vtex places elements:
+
+        * ``"auto"``: the method that suits the library and the parameters
+        * ``"correspondence"``: copies elements along a field from the exemplar to the canvas. This keeps structure
+          larger than a few elements.
+        * ``"descriptor"``: places elements one by one, by the descriptors of their neighbours
+        * ``"period"``: repeats the period of a drawing whose opposite borders join
+        * ``"clustered"``: arranges the elements of a drawing in a new way, as clusters of samples
+        * ``"curves"``: makes new lines or cells, for a drawing of continuous lines or of cells side by side
     variation : float, optional
-        Share of a periodic drawing's free elements that leave their places, 0 to 1. Default: 0 for a
-        regular drawing, else 1. By clusters or as curves: how readily the drawing is rearranged. Default: 1.
+        For the method ``"period"``: share of the movable elements that leave their positions, 0 to 1. 0 repeats the
+        drawing exactly. Default: 0 for a regular drawing, else 1. For ``"clustered"`` and ``"curves"``: how freely vtex
+        rearranges the drawing, 0 to 1. Default: 1.
     lattice : "auto", "off" or sequence of two or four floats, default "auto"
-        Rows or lattice that the texture keeps to: as found in the exemplar, none, or one or two vectors
-        in pixels of the exemplar, x before y.
+        Rows or lattice that the texture keeps. ``"auto"`` keeps those that the analysis found, if they are regular
+        everywhere. ``"off"`` keeps none. Numbers are one or two vectors in pixels of the exemplar, x before y. Each is
+        at least 4 pixels long.
     candidates : int, default 20
-        Elements tried for each place, by descriptors, 1 to 1000.
+        Number of elements compared for each position, with the method ``"descriptor"``, 1 to 1000.
     moves : int, default 5
-        Moves by one cell that may better a placement, 0 to 100.
+        Number of one-cell moves tried to improve each placement, 0 to 100.
     weights : sequence of five floats, default (0.5, -0.4, -0.2, -0.5, -0.5)
-        Weights of target, uncovered, empty, mismatched and same-overlap areas in the score of a
-        placement, -10 to 10 each.
+        Weights of the areas in the score of a placement: target, uncovered, empty, mismatched and same-overlap. Each is
+        -10 to 10.
     background_spacing : float, optional
-        Distance between background colours, 4 to 1000 pixels. Default: as in the library.
+        Distance between the colour points of the background, 4 to 1000 pixels. Default: the same as in the library.
     tile : bool or {"none", "both", "x", "y"}, default "none"
-        Axes along which it repeats without a seam.
+        Axes along which the texture repeats without a seam. True = ``"both"``, False = ``"none"``.
     rotate : float, optional
-        Largest angle by which elements are turned either way, 0 to 180 degrees. Default: 0, but small photographs
-        without a direction are turned and mirrored.
+        Maximum angle by which vtex turns elements at random in either direction, 0 to 180 degrees. Default: 0. But vtex
+        turns and mirrors a small photograph without a direction.
     mirror : bool, default False
-        Whether half of the elements are mirrored.
+        Whether vtex mirrors half of the elements, chosen at random.
     scale_jitter : float, default 0.0
-        Largest change of an element's size either way, 0 to 50 per cent.
+        Maximum random change of the size of an element, larger or smaller, 0 to 50 per cent.
     edge : {"clip", "keep", "avoid"}, default "clip"
-        What becomes of elements at the edge of a domain.
+        What happens to elements at the edge of a domain:
+
+        * ``"clip"``: elements are clipped
+        * ``"keep"``: elements remain whole
+        * ``"avoid"``: no element crosses the edge
     exclude : sequence of str, default ()
-        Names of categories whose elements are left out; their places are background.
+        Names of categories whose elements are left out. vtex fills their positions with background.
     ablate : sequence of str, default ()
-        Parts of the method that are left out, for experiments: "secondary", "overlap", "density",
-        "decay", "improve", "growth", "removal", "copies", "seeds", "neighbourhoods", "matching"; of
-        clusters "shape-context", "link", "shape", "switch", "merge", "split", "depth"; of curves "edge", "robust",
-        "orientation", "existence", "patches", "mend".
+        Parts of the method that are left out, to see their effect:
+
+        * "secondary", "overlap", "density", "decay", "improve", "growth", "removal", "copies", "seeds",
+          "neighbourhoods", "matching"
+        * of the method ``"clustered"``: "shape-context", "link", "shape", "switch", "merge", "split", "depth"
+        * of the method ``"curves"``: "edge", "robust", "orientation", "existence", "patches", "mend"
     domain : picture or SVG, optional
-        The shape to fill: all filled shapes of an SVG together, fitted to the canvas, or a mask, white (1.0) inside.
+        Shape that the texture fills: all filled shapes of an SVG together, fitted to the canvas. Or a mask, in which
+        white (1.0) is inside. If the mask has transparent pixels, its opaque area is inside. Default: the whole canvas.
     density : picture, optional
-        Density relative to the exemplar's: black 0, middle grey 1, white 2; floats are densities, 0 to 2.
+        Density relative to the exemplar: black = 0, middle grey = 1, white = 2. Floats are densities, 0 to 2.
     map : picture or sequence of pictures, optional
-        Which library is where, for several: one grey picture for two (black the first, white the second),
-        one with a colour for each, or a grey one for each (floats are shares, 0 to 1).
+        Where to use which of several libraries. Use one of these forms:
+
+        * one grey picture for two libraries: black = the first, white = the second
+        * one picture with one colour for each library
+        * one grey picture for each library. Floats are shares, 0 to 1.
     control : picture, optional
-        Layers as in a map, in the colours of the library's layers.
+        Map of the layers on the canvas, in the colours of the library's layers. For one library only.
     guide : picture, optional
-        Light and dark as in another picture; floats are lightness, 0 to 1.
+        Picture whose light and dark areas the texture follows. Floats are lightness, 0 to 1. You cannot combine it with
+        `control`.
     context : SVG, optional
-        A drawing that stays as it is, in the units of the library's drawing: what is made in `region` fits to
-        its lines or elements. The canvas is its page, unless `size` is given. The scene holds it as the layer
-        `drawn`, and what is made as the layer `predicted`. For one drawing, without other things that steer.
+        Existing drawing that vtex keeps, in the units of the library's drawing. vtex fits the new part in `region` to
+        its lines or elements. The canvas is the page of this SVG, unless you give `size`. In the scene, the existing
+        drawing is the layer `drawn`, and the new part is the layer `predicted`. This works with the library of one
+        drawing, without `domain`, `density`, `map`, `control` and `guide`.
     region : SVG, optional
-        The region that is filled beside `context`: all filled shapes together, fitted to the canvas.
+        Region that vtex fills beside `context`: all filled shapes of the SVG together, fitted to the canvas.
     anew : bool, default False
-        Make the region anew: strokes of the drawing are cut at its border, and elements whose middle lies in
-        it are left out.
+        Whether vtex empties the region first. It cuts strokes of `context` at the border of the region. It removes
+        elements whose middle is in the region.
     source : SVG, optional
-        The part of the library's drawing that is copied to the region and fitted to what is around it: all
-        filled shapes together, fitted to the library's page. Their middle comes to the region's.
+        Part of the library's drawing that vtex copies to the region and fits to the lines or elements around it. The
+        part is all filled shapes of the SVG together, fitted to the page of the library. Its middle moves to the middle
+        of the region. Default: no copy.
     progress : callable, optional
-        Called as ``progress(stage, done, total)`` in this thread; the work stops if it returns False or
-        raises.
+        Function that vtex calls as ``progress(stage, done, total)`` in the caller's thread. `total` is 0 while it is
+        unknown. If the function returns False or raises an exception, the work stops. Default: no function.
 
     Returns
     -------
@@ -139,13 +164,13 @@ def synthesize(
     Raises
     ------
     InputError
-        If a parameter is out of range, or what is given does not go together.
+        If a parameter is out of range, or the arguments do not fit each other.
     InputTypeError
-        If something has a type that cannot be used.
+        If an argument has a type that vtex cannot use.
     FileError
-        If a file cannot be read.
+        If vtex cannot read a file.
     Interrupted
-        If `progress` returned False.
+        If `progress` returns False.
     """
     libraries = libraries_of(library)
     if isinstance(tile, (bool, np.bool_)):
@@ -199,17 +224,17 @@ def synthesize(
 
 
 def reconstruct(library: Library) -> Scene:
-    """Draw the exemplar back from its library.
+    """Draw the exemplar again from its library.
 
     Parameters
     ----------
     library : Library
-        What analysis knows of the exemplar.
+        Library of the exemplar.
 
     Returns
     -------
     Scene
-        A scene of the exemplar's size, without parameters.
+        A scene as large as the exemplar. Its `parameters` are None.
     """
     if not isinstance(library, Library):
         raise InputTypeError(f"{type(library).__name__} is no Library", "make one with vtex.analyze")
@@ -217,7 +242,7 @@ def reconstruct(library: Library) -> Scene:
 
 
 def libraries_of(given: Library | Sequence[Library]) -> list[Library]:
-    """Give one library or several as a list."""
+    """Return one library or several libraries as a list."""
     if not isinstance(given, (Library, Sequence)) or isinstance(given, (str, bytes)):
         hint = "make one with vtex.analyze, or read one with vtex.Library.read"
         raise InputTypeError(f"{type(given).__name__} is no Library", hint)
@@ -231,7 +256,7 @@ def libraries_of(given: Library | Sequence[Library]) -> list[Library]:
 
 
 def maps_of(given: _inputs.Picture | Sequence[_inputs.Picture] | None, number: int, what: str) -> list[_inputs.Named]:
-    """Give the maps that say where which of several things is."""
+    """Return the maps that set where to use which of several things."""
     several: list[Any] = list(given) if isinstance(given, (list, tuple)) else [] if given is None else [given]
     if number == 1 and several:
         raise InputError(f"map is for several {what}, one is given")

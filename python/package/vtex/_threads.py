@@ -1,4 +1,4 @@
-"""How many threads a call uses."""
+"""The number of threads of a call."""
 
 from __future__ import annotations
 
@@ -6,16 +6,16 @@ from vtex import _vtex
 
 
 def set_threads(number: int | None) -> None:
-    """Set the number of threads that each call works with.
+    """Set the number of threads that each call uses.
 
-    Results do not depend on it. Within a worker of Ray, Dask or Spark, where there are as many workers
-    as cores, 1 is right.
+    Results do not depend on this number. In a worker of Ray, Dask or Spark, use 1: these engines start one worker for
+    each core.
 
     Parameters
     ----------
     number : int or None
-        1 to 1024; None for the default: the number in the environment variable ``VTEX_THREADS``, else
-        one for each core.
+        Number of threads, 1 to 1024. None = the default: the number in the environment variable ``VTEX_THREADS``, else
+        one thread for each core.
 
     Raises
     ------
@@ -26,11 +26,11 @@ def set_threads(number: int | None) -> None:
 
 
 def get_threads() -> int:
-    """Give the number of threads that each call works with.
+    """Return the number of threads that each call uses.
 
     Returns
     -------
     int
-        The number set, or the default.
+        The number that you set, or the default.
     """
     return _vtex.threads()

@@ -1,4 +1,4 @@
-"""Photograph to scene: the same picture in vectors."""
+"""From a photograph to a scene: the same picture in vectors."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 class Parameters(TypedDict, total=False):
-    """What `analyze` takes besides, for a picture that is drawn."""
+    """The other parameters of `analyze`, for `vectorize`."""
 
     minimum_area: int
     detail_scale: float
@@ -61,60 +61,69 @@ def vectorize(
     progress: _inputs.Progress | None = None,
     **parameters: Unpack[Parameters],
 ) -> Scene:
-    """Draw a photograph in vectors: the picture itself, not a texture of it.
+    """Draw a photograph in vectors: the picture itself, not a texture.
 
-    It is `analyze` and `reconstruct` in one, without a network and without a search for borders that join. The
-    same photograph, parameters and seed give the same as the program ``vtex vectorize``.
+    `vectorize` combines `analyze` and `reconstruct`. By default it uses no network, keeps slow changes of light, and
+    does not test whether borders join. The same photograph, parameters and seed give the same scene as the program
+    ``vtex vectorize``.
 
     Parameters
     ----------
     photo : str, os.PathLike, bytes, file, numpy.ndarray or PIL.Image.Image
-        The photograph, in any of the forms that `analyze` takes.
+        The photograph, in any form that `analyze` accepts.
     name : str, optional
-        What the scene calls it. Default: the file's name, or ``"array"``.
+        Name of the photograph in the scene. Default: the name of the file, or ``"array"`` for pixels.
     segmenter : {"auto", "texton", "regions", "felzenszwalb", "sam"}, default "auto"
-        What finds the elements. ``"auto"`` is a quick kind of ``"regions"``, or ``"sam"`` if an `encoder` is given.
+        Method that finds the elements. ``"auto"`` is ``"sam"`` if you give an `encoder`, else a faster form of
+        ``"regions"``.
     masks : path, bytes, file, numpy.ndarray or list, optional
-        The elements, in any of the forms that `analyze` takes.
+        Masks of the elements, in any form that `analyze` accepts. They replace the segmenter.
     seed : int, default 0
-        Seed of random choices, 0 to 2**64 - 1.
+        Seed of all random choices, 0 to 2**64 - 1.
     fidelity : float, default 0.5
-        Distance of smooth outlines from the photograph's, 0.05 to 5 pixels.
+        Largest distance between a smooth outline and the outline in the photograph, 0.05 to 5 pixels. A larger value
+        also gives fewer shapes.
     shading : {"soft", "gradient", "flat"}, default "soft"
-        ``"soft"``: soft ellipses on few shapes make elements round. ``"gradient"``: more shapes, filled with
-        gradients where these tell more. ``"flat"``: one colour each.
+        How vtex fills elements and details:
+
+        * ``"soft"``: few shapes, with soft ellipses that make elements look round
+        * ``"gradient"``: more shapes, with gradients where they fit better
+        * ``"flat"``: one colour for each shape
     colors : int, default 0
-        Most colours, all flat, up to 4096; 0 for as many as there are. ``colours`` is the same.
+        Maximum number of colours, 0 to 4096. 0 = no limit. With a limit, each shape has one colour. You can also write
+        ``colours``.
     max_paths : int, default 0
-        Most elements and details together, up to 10 000 000; 0 for as many as there are.
+        Maximum number of elements and details together, 0 to 10 000 000. 0 = no limit. With a limit, vtex joins or
+        leaves out the least visible ones.
     cells : int, default 0
-        Cells along each side of a pixel, on which small shapes are told apart, 1 to 4; 0 as fits the
-        photograph.
+        Number of cells along each side of a pixel, 0 to 4. vtex separates small shapes on these cells. 0 = 2 cells for
+        up to 2.5 million pixels, 1 cell for more.
     max_pixels : int or "off", default 1 200 000
-        A photograph of more pixels is reduced first. The scene has the photograph's own size.
+        Maximum number of pixels, 4096 to 4 000 000 000. vtex first reduces a larger photograph. The scene has the size
+        of the original photograph. ``"off"`` = no limit.
     progress : callable, optional
-        Called as ``progress(stage, done, total)`` in this thread; the work stops if it returns False or
-        raises.
+        Function that vtex calls as ``progress(stage, done, total)`` in the caller's thread. `total` is 0 while it is
+        unknown. If the function returns False or raises an exception, the work stops. Default: no function.
     **parameters : dict, optional
         The other parameters of `analyze`, by name.
 
     Returns
     -------
     Scene
-        The picture, of the photograph's size.
+        The picture, as large as the photograph.
 
     Raises
     ------
     InputError
-        If the photograph cannot be used, or a parameter is out of range.
+        If vtex cannot use the photograph, or a parameter is out of range.
     InputTypeError
-        If something has a type that cannot be used.
+        If an argument has a type that vtex cannot use.
     FileError
-        If a file cannot be read.
+        If vtex cannot read a file.
     EngineError
-        If a network cannot be loaded or run.
+        If vtex cannot load or run a network.
     Interrupted
-        If `progress` returned False.
+        If `progress` returns False.
     """
     finder: Any = segmenter
     if segmenter == "auto" and parameters.get("encoder") is None and parameters.get("decoder") is None:
@@ -122,7 +131,7 @@ def vectorize(
     # The picture keeps its light.
     if parameters.get("even_light", "auto") == "auto":
         parameters["even_light"] = "off"
-    # Nothing is repeated here, so nobody asks whether borders join.
+    # The picture is not repeated, so vtex does not test whether borders join.
     parameters["wrap"] = parameters.get("wrap") is True
     library = analyze(
         photo,

@@ -1,4 +1,4 @@
-# The compiled half: plain values, bytes and arrays. Everything public is in the modules of Python.
+# The compiled half uses plain values, bytes and arrays. All public names are in the Python modules.
 import os
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, final

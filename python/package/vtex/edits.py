@@ -1,19 +1,19 @@
-"""What can be done to a scene: a class for each operation, for `Scene.edit`.
+"""Edits of a scene: one class for each operation, for `Scene.edit`.
 
-Edits are plain values: they can be compared, printed, pickled, and done to any number of scenes. Lengths
-are pixels of the canvas, angles degrees, clockwise on the screen. ``color`` and ``colors`` are taken and read
-like ``colour`` and ``colours``. All have two more parameters, given by name:
+Edits are plain values. You can compare, print and pickle them, and apply them to any number of scenes. Lengths are in
+pixels of the canvas. Angles are in degrees, clockwise on the screen. You can write and read ``color`` and ``colors``
+for ``colour`` and ``colours``. All edits have two more parameters, which you give by name:
 
 layer : str, optional
-    Only the elements of this layer, by its name or role (``"primary"``, ``"secondary"``; ``"background"``
-    for colours). Default: the elements of all layers.
+    Change only the elements of this layer. Give its name or its role: ``"primary"`` or ``"secondary"``, or
+    ``"background"`` for edits of colours. Default: the elements of all layers.
 where : str or sequence of str, default ()
-    Only the elements that fulfil all of these conditions: ``"category=3"`` (or ``3|5``, ``!=3``, or a name),
-    ``"library=1"``, ``"id=17"``, ``"motif=4"``, ``"area>200"``, ``"elongation>1.5"``, ``"x<500"``,
-    ``"y>=20"`` (with ``>``, ``<``, ``>=`` or ``<=``), ``"inside=shape.svg"``, ``"outside=mask.png"``.
+    Change only the elements that meet all of these conditions: ``"category=3"`` (or ``3|5``, ``!=3``, or a name),
+    ``"library=1"``, ``"id=17"``, ``"motif=4"``, ``"area>200"``, ``"elongation>1.5"``, ``"x<500"``, ``"y>=20"`` (with
+    ``>``, ``<``, ``>=`` or ``<=``), ``"inside=shape.svg"``, ``"outside=mask.png"``. Default: no condition.
 
-Pictures are stretched over the canvas. They are paths, bytes, open files, images of Pillow, or arrays
-height x width of uint8 or of floats from 0 to 1; colours are height x width x 3 or 4 of uint8.
+vtex stretches pictures over the canvas. A picture is a path, bytes, an open file, an image of Pillow or an array. A
+grey array is height x width of uint8, or of floats from 0 to 1. A colour array is height x width x 3 or 4 of uint8.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ import numpy as np
 from vtex import _inputs, _library, _spelling, _vtex
 from vtex._errors import InputError, InputTypeError
 
-#: Red, green and blue, 0 to 255; or ``"#rrggbb"``, ``"#rgb"`` or a name of CSS.
+#: Red, green and blue, 0 to 255; or ``"#rrggbb"``, ``"#rgb"`` or a CSS colour name.
 Colour: TypeAlias = Union[str, tuple[int, int, int]]
 Color: TypeAlias = Colour
 
@@ -77,32 +77,33 @@ def _colour(value: object, role: str) -> str:
 
 
 _SHARED = """layer : str, optional
-    Only the elements of this layer, by its name or role. Default: the elements of all layers.
+    Change only the elements of this layer, by its name or role. Default: the elements of all layers.
 where : str or sequence of str, default ()
-    Only the elements that fulfil all of these conditions, such as ``"area>200"``; see `vtex.edits`.
+    Change only the elements that meet all of these conditions, such as ``"area>200"``. See `vtex.edits`. Default: no
+    condition.
 """
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Edit(metaclass=_spelling.Spelled):
-    """Any of the edits; not made itself.
+    """Base class of all edits. Use one of its subclasses.
 
     Parameters
     ----------
     layer : str, optional
-        Only the elements of this layer, by its name or role.
+        Change only the elements of this layer, by its name or role. Default: the elements of all layers.
     where : str or sequence of str, default ()
-        Only the elements that fulfil all of these conditions.
+        Change only the elements that meet all of these conditions. Default: no condition.
     """
 
     layer: str | None = None
     where: str | Sequence[str] = ()
 
-    #: What scenes call the operation.
+    #: Name of the operation in scenes.
     _word: ClassVar[str] = ""
 
     def _action(self, files: _Files) -> dict[str, Any]:
-        """Give the fields of the operation, its files put among `files`."""
+        """Return the fields of the operation, and add its files to `files`."""
         return {}
 
     def _asked(self, files: _Files) -> dict[str, Any]:
@@ -116,7 +117,7 @@ class Edit(metaclass=_spelling.Spelled):
         return {"action": {self._word: action} if action else self._word, "layer": self.layer, "conditions": conditions}
 
     def __init_subclass__(cls) -> None:
-        """Document the parameters that all share."""
+        """Document the parameters that all edits share."""
         doc = inspect.cleandoc(cls.__doc__ or "")
         if "Parameters\n---" not in doc:
             doc += "\n\nParameters\n----------"
@@ -125,7 +126,7 @@ class Edit(metaclass=_spelling.Spelled):
     if not TYPE_CHECKING:
 
         def __getattr__(self, name: str) -> Any:
-            # Only what is not found is asked for here.
+            # Python calls this only for attributes that it does not find.
             field = _spelling.other(name)
             if field != name and field in self.__dataclass_fields__:
                 return getattr(self, field)
@@ -142,17 +143,22 @@ class Edit(metaclass=_spelling.Spelled):
 
 @dataclass(frozen=True, eq=False)
 class Thin(Edit):
-    """Take elements away: the small ones go, and of what is left a share of each layer is kept.
+    """Remove elements: first the small ones, then a share of the others in each layer.
+
+    Give `keep`, `minimum_area` or both.
 
     Parameters
     ----------
     keep : float, optional
-        Share kept, 0 to 1.
+        Share of the elements of each layer that remains, 0 to 1. Default: all.
     order : {"blue-noise", "random", "area"}, default "blue-noise"
-        Which go first: those with the nearest neighbours, so that what is left stays even; any; or the
-        smallest.
+        Which elements vtex removes first:
+
+        * ``"blue-noise"``: those with the nearest neighbours, so that the rest stays evenly spread
+        * ``"random"``: any
+        * ``"area"``: the smallest
     minimum_area : float, optional
-        Smaller elements go, and smaller details of those that stay; 0 to 10**9 square pixels.
+        Remove smaller elements, and smaller details of the other elements, 0 to 10**9 square pixels. Default: none.
     """
 
     keep: float | None = None
@@ -167,12 +173,12 @@ class Thin(Edit):
 
 @dataclass(frozen=True, eq=False)
 class Density(Edit):
-    """Keep each element with the probability of a grey picture where it stands.
+    """Keep each element with the probability that a grey picture gives at its position.
 
     Parameters
     ----------
     map : picture
-        White (1.0) keeps all, black (0.0) none.
+        Grey picture: white (1.0) keeps all elements, black (0.0) keeps none.
     """
 
     map: _inputs.Picture
@@ -185,15 +191,15 @@ class Density(Edit):
 
 @dataclass(frozen=True, eq=False)
 class Orient(Edit):
-    """Turn the longer axis of each element towards a direction. Round ones stay as they are.
+    """Turn the longer axis of each element towards a direction. Round elements do not change.
 
     Parameters
     ----------
     direction : float or picture
-        Clockwise from the right, -360 to 360 degrees: 0 lies, 90 stands. Of a grey picture black is 0,
-        white 180.
+        Direction, clockwise from the right, -360 to 360 degrees: 0 = horizontal, 90 = vertical. Or a grey picture:
+        black = 0, white = 180.
     strength : float, default 1.0
-        Share of the way, 0 to 1.
+        Share of the turn, 0 to 1: 0 = no change, 1 = turned fully.
     """
 
     direction: float | _inputs.Picture
@@ -208,18 +214,18 @@ class Orient(Edit):
 
 @dataclass(frozen=True, eq=False)
 class Tint(Edit):
-    """Mix colours with one, in Oklab.
+    """Mix one colour into the colours of elements, in Oklab.
 
     Parameters
     ----------
     colour : colour or picture
-        The colour: ``"#rrggbb"``, ``"#rgb"``, a name of CSS, or (r, g, b) of 0 to 255. Or a picture that
-        gives each element the colour it has where the element stands, and none where it is transparent;
-        text with a dot that is no colour is a path.
+        The colour: ``"#rrggbb"``, ``"#rgb"``, a CSS colour name, or (r, g, b) with numbers from 0 to 255. Or a picture:
+        each element gets the colour at its position, and does not change where the picture is transparent. vtex reads
+        text with a dot as a path, unless it is a colour.
     amount : float, default 0.5
-        Its share in the mixture, 0 to 1.
+        Share of the colour in the mixture, 0 to 1.
     share : float, default 1.0
-        Share of the elements tinted, chosen at random, 0 to 1.
+        Share of the elements to tint, chosen at random, 0 to 1.
     """
 
     colour: Colour | _inputs.Picture
@@ -240,18 +246,19 @@ class Tint(Edit):
 
 @dataclass(frozen=True, eq=False)
 class Recolor(Edit):
-    """Move colours like one to another, and those less like it less far; shading stays.
+    """Shift one colour to another; similar colours follow partly, and shading stays.
 
     Parameters
     ----------
     from_ : colour
-        The colour sought.
+        Colour to replace.
     to : colour
-        The colour that it becomes.
+        New colour.
     reach : float, default 0.2
-        Oklab distance up to which colours are alike, 0.01 to 2; black and white are 1 apart.
+        Oklab distance up to which colours follow, 0.01 to 2. Black and white have a distance of 1.
     keep : {"nothing", "details"}, default "nothing"
-        ``"details"`` leaves colours unlike the main one of their element, such as the hearts of flowers.
+        ``"details"`` keeps the colours that differ from the main colour of their element, such as the hearts of
+        flowers.
     """
 
     from_: Colour
@@ -268,14 +275,15 @@ class Recolor(Edit):
 
 @dataclass(frozen=True, eq=False)
 class Palette(Edit):
-    """Replace the main colours, by the area that they cover, with those of a palette.
+    """Replace the main colours of the texture by those of a palette.
 
-    Both from dark to light; shading stays. Without ``layer`` the background changes, too.
+    vtex weighs colours by the area that they cover. It matches dark with dark and light with light. Shading stays.
+    Without ``layer``, the background changes too.
 
     Parameters
     ----------
     colours : sequence of colours, or path
-        1 to 256 colours; or a file with ``#rrggbb`` in any text, or a GIMP palette.
+        1 to 256 colours. Or a file: any text that contains ``#rrggbb``, or a GIMP palette.
     """
 
     colours: Sequence[Colour] | _inputs.Path
@@ -291,18 +299,18 @@ class Palette(Edit):
 
 @dataclass(frozen=True, eq=False)
 class Shadow(Edit):
-    """Put a shadow under each element; it falls on what lies below and on nothing above.
+    """Put a shadow under each element. It falls on everything below, and on nothing above.
 
     Parameters
     ----------
     angle : float, default 45.0
-        Where it falls, clockwise from the right, -360 to 360 degrees.
+        Direction of the shadow, clockwise from the right, -360 to 360 degrees.
     length : float, default 5.0
-        How far, 0 to 1000 pixels.
+        Distance by which the shadow is shifted, 0 to 1000 pixels.
     opacity : float, default 0.4
-        How dark, 0 to 1; 0 takes shadows away.
+        Opacity of the shadow, 0 to 1. 0 removes shadows.
     blur : float, default 5.0
-        Width of its soft edge, 0 to 200 pixels.
+        Width of the soft edge, 0 to 200 pixels.
     """
 
     angle: float = 45.0
@@ -318,19 +326,20 @@ class Shadow(Edit):
 
 @dataclass(frozen=True, eq=False)
 class Flatten(Edit):
-    """Drop the details: each element gets the mean of its colours."""
+    """Remove the details: each element gets the mean of its colours."""
 
     _word: ClassVar[str] = "flatten"
 
 
 @dataclass(frozen=True, eq=False)
 class Simplify(Edit):
-    """Draw outlines again with fewer points, and drop the details that are smaller than that.
+    """Draw outlines with fewer points, and remove very small details.
 
     Parameters
     ----------
     tolerance : float
-        How far an outline may move, 0.01 to 100 pixels.
+        Maximum distance that an outline may move, 0.01 to 100 pixels. vtex removes details that are smaller than a
+        square with this side.
     """
 
     tolerance: float
@@ -343,14 +352,14 @@ class Simplify(Edit):
 
 @dataclass(frozen=True, eq=False)
 class Outline(Edit):
-    """Draw a line along each element's outline.
+    """Draw a line along the outline of each element.
 
     Parameters
     ----------
     width : float
-        Width of the line, 0 to 1000 pixels; 0 takes lines away.
+        Width of the line, 0 to 1000 pixels. 0 removes lines.
     colour : colour
-        Its colour.
+        Colour of the line.
     """
 
     width: float
@@ -364,22 +373,23 @@ class Outline(Edit):
 
 @dataclass(frozen=True, eq=False)
 class Hatch(Edit):
-    """Draw each element in ink: an outline on paper, and hatching that is the denser the darker it is.
+    """Draw each element in ink: an outline on paper, with hatching that is denser where the element is darker.
 
-    Dark spots become dots.
+    Small dark elements become dots. Small light elements are left out.
 
     Parameters
     ----------
     spacing : float, default 4.0
-        Distance of the lines of the lightest tone, 0.5 to 1000 pixels; darker ones have them closer, then crossed.
+        Distance between the lines in the lightest tone, 0.5 to 1000 pixels. In darker tones, lines are closer, and then
+        they cross.
     angle : float, default -45.0
-        Their direction, -360 to 360 degrees clockwise from the right.
+        Direction of the lines, clockwise from the right, -360 to 360 degrees.
     width : float, default 0.7
-        Their width, and that of outlines, 0.01 to 1000 pixels.
+        Width of lines and outlines, 0.01 to 1000 pixels.
     colour : colour, default "#202020"
-        The ink.
+        Colour of the ink.
     paper : colour, default "white"
-        The paper, within outlines.
+        Colour of the paper, inside the outlines.
     """
 
     spacing: float = 4.0
@@ -402,14 +412,14 @@ class Hatch(Edit):
 
 @dataclass(frozen=True, eq=False)
 class Replace(Edit):
-    """Replace each element by the one of another library whose shape fits best.
+    """Replace each element by the element of another library whose shape fits best.
 
-    It takes the place, size and direction of what it replaces.
+    The new element gets the position, size and direction of the old one.
 
     Parameters
     ----------
     library : Library or path
-        The library.
+        Library that gives the new elements.
     """
 
     library: _library.Library | _inputs.Path
@@ -430,7 +440,7 @@ class Move(Edit):
     Parameters
     ----------
     x, y : float
-        To the right and down, -10**6 to 10**6 pixels.
+        Distance to the right and distance down, -10**6 to 10**6 pixels each.
     """
 
     x: float
@@ -449,7 +459,7 @@ class Scale(Edit):
     Parameters
     ----------
     factor : float or picture
-        The factor, 0.01 to 100. Of a grey picture black is almost nothing, middle grey 1, white 2.
+        Factor of the size, 0.01 to 100. Or a grey picture: black = almost nothing, middle grey = 1, white = 2.
     """
 
     factor: float | _inputs.Picture
@@ -467,7 +477,7 @@ class Rotate(Edit):
     Parameters
     ----------
     angle : float or picture
-        Clockwise, -360 to 360 degrees. Of a grey picture black is 0, white 360.
+        Angle, clockwise, -360 to 360 degrees. Or a grey picture: black = 0, white = 360.
     """
 
     angle: float | _inputs.Picture
@@ -480,18 +490,19 @@ class Rotate(Edit):
 
 @dataclass(frozen=True, eq=False)
 class Transform(Edit):
-    """Scale, turn and move elements in one go, each about its own centre or all about theirs.
+    """Scale, turn and move elements in one operation.
 
     Parameters
     ----------
     by : float or (float, float), default 0.0
-        Way to the right, or to the right and down, -10**6 to 10**6 pixels each.
+        Distance to the right, or distances to the right and down, -10**6 to 10**6 pixels each.
     scale : float or (float, float), default 1.0
-        The factor, or those along x and y, 0.01 to 100 each.
+        Factor of the size, or factors along x and y, 0.01 to 100 each.
     angle : float, default 0.0
-        Clockwise, after scaling, -360 to 360 degrees.
+        Angle, clockwise, after scaling, -360 to 360 degrees.
     about : {"each", "selection"}, default "each"
-        The point that stays: the centre of each, or the mean of the centres of all selected.
+        Centre of scaling and turning. ``"each"`` = the centre of each element. ``"selection"`` = the mean of the
+        centres of all selected elements.
     """
 
     by: float | tuple[float, float] = 0.0
@@ -510,28 +521,32 @@ class Transform(Edit):
 class Jitter(Edit):
     """Move, turn, scale, stretch, mirror and recolour each element at random.
 
+    Give at least one change. All changes are 0 by default.
+
     Parameters
     ----------
     distance : float, default 0.0
-        Largest way, 0 to 10**6 pixels.
+        Maximum distance to move, 0 to 10**6 pixels.
     angle : float, default 0.0
-        Largest turn either way, 0 to 180 degrees.
+        Maximum turn in either direction, 0 to 180 degrees.
     scale : float, default 0.0
-        Largest change of size either way, 0 to 90 per cent.
+        Maximum change of size, larger or smaller, 0 to 90 per cent.
     stretch : float, default 0.0
-        Largest change of the ratio of length to width either way, 0 to 90 per cent; areas stay.
+        Maximum change of the ratio of length to width, larger or smaller, 0 to 90 per cent. Areas do not change.
     flip : float, default 0.0
-        Share of the elements that are mirrored, left to right, 0 to 1.
+        Share of the elements to mirror, left to right, 0 to 1.
     hue : float, default 0.0
-        Largest turn of hues either way, 0 to 180 degrees.
+        Maximum turn of the hue in either direction, 0 to 180 degrees.
     chroma : float, default 0.0
-        Largest change of chroma either way, 0 to 100 per cent.
+        Maximum change of chroma, more or less, 0 to 100 per cent.
     lightness : float, default 0.0
-        Largest change of lightness either way, 0 to 100 per cent of that of white.
+        Maximum change of lightness, lighter or darker, 0 to 100 per cent of the lightness of white.
     distribution : {"uniform", "normal"}, default "uniform"
-        Evenly between the bounds, or normally, with the bounds at two standard deviations.
+        Distribution of the changes. ``"uniform"`` = evenly between the limits. ``"normal"`` = normally, with the limits
+        at two standard deviations.
     steps : int, default 0
-        Number of equal steps either way that changes are made of, up to 1000; 0 for any change.
+        Number of equal steps from no change to each limit, 0 to 1000. Every change is a whole number of steps. 0 = any
+        change.
     """
 
     distance: float = 0.0
@@ -564,16 +579,16 @@ class Jitter(Edit):
 
 @dataclass(frozen=True, eq=False)
 class Shuffle(Edit):
-    """Let appearances, colours and details, change places at random among elements of like size.
+    """Exchange colours and details at random between elements of similar size.
 
     Parameters
     ----------
     within : {"layer", "category"}, default "layer"
-        Among the elements of a layer, or of each category in it.
+        Exchange between the elements of each layer, or of each category in a layer.
     share : float, default 1.0
         Share of the elements that take part, 0 to 1.
     outlines : bool, default False
-        Whether outlines change places too, each fitted to the size and direction of the other.
+        Whether to exchange the outlines too. vtex fits each outline to the size and direction of the other element.
     """
 
     within: Literal["layer", "category"] = "layer"
@@ -588,17 +603,20 @@ class Shuffle(Edit):
 
 @dataclass(frozen=True, eq=False)
 class Vary(Edit):
-    """Make colours and shapes more alike or more varied, about their mean.
+    """Make the colours and shapes of elements more alike or more varied, about their mean.
+
+    Give `colour`, `shape` or both.
 
     Parameters
     ----------
     colour : float or picture, optional
-        0 gives all the same median colour, 1 changes nothing, 2 makes them vary twice as much, up to 4.
-        Of a grey picture black is 0, white 2.
+        How much the median colours of elements differ, 0 to 4: 0 = all have the same, 1 = no change, 2 = they differ
+        twice as much. Or a grey picture: black = 0, middle grey = 1, white = 2. Default: no change.
     shape : float or picture, optional
-        As much for size, elongation and direction.
+        How much elements differ in size, elongation and direction, 0 to 4, or a grey picture as for `colour`. Default:
+        no change.
     within : {"layer", "category"}, default "layer"
-        One mean for the elements of a layer, or for each category in it.
+        One mean for the elements of each layer, or for each category in a layer.
     """
 
     colour: float | _inputs.Picture | None = None
@@ -614,17 +632,17 @@ class Vary(Edit):
 
 @dataclass(frozen=True, eq=False)
 class Relax(Edit):
-    """Move elements apart where they are close, so that distances become even.
+    """Move crowded elements apart, so that distances become even.
 
     Parameters
     ----------
     rounds : int, default 20
-        How often they move, 1 to 1000; it ends sooner if none moves any more.
+        Maximum number of rounds, 1 to 1000. vtex stops earlier if no element moves.
     strength : float, default 0.5
-        Share of the way each time, 0 to 1.
+        Share of the missing distance by which elements move in each round, 0 to 1.
     minimum_distance : float, optional
-        No centres nearer than this, 0 to 1000 pixels. Default: the distance in a regular lattice of as
-        many elements.
+        Minimum distance between the centres of elements, 0 to 1000 pixels. Default: the distance in a regular lattice
+        of the same number of elements.
     """
 
     rounds: int = 20
@@ -640,26 +658,28 @@ class Relax(Edit):
 
 @dataclass(frozen=True, eq=False)
 class Propagate(Edit):
-    """Draw on one element, and it appears on all like it, fitted to their place, size and direction.
+    """Draw on one element, and repeat the drawing on all similar elements.
 
-    One of `drawing`, `element` and `fill` is given.
+    vtex fits the drawing to the position, size and direction of each element. Give one of `drawing`, `element` and
+    `fill`.
 
     Parameters
     ----------
     drawing : path, bytes or file, optional
-        An SVG of the canvas's size; the element under it is the one that is drawn on.
+        SVG as large as the canvas. The element under the drawing is the one that you drew on.
     element : path, bytes or file, optional
-        An SVG of any size that every element becomes, fitted by its largest shape.
+        SVG of any size to put on every similar element. vtex fits it by its largest shape.
     fill : colour, optional
-        The colour that every element is filled with.
+        Colour that fills every similar element.
     of : int, optional
-        Id of the element that the others are like. Default: the one under `drawing`; without that all
-        that are selected are alike.
+        Id of the element that the others are compared with. Default: the element under `drawing`. Without `drawing`,
+        all selected elements are similar.
     similar : float, optional
-        Alike are elements whose median colours are no further apart in Oklab, 0 to 2. Default: those of
-        the same category.
+        Maximum Oklab distance between the median colours of similar elements, 0 to 2. Default: elements of the same
+        category are similar.
     replace : bool, optional
-        Whether it is drawn in place of what elements show, else on it. Default: in place with `element`.
+        Whether the drawing replaces the shapes of elements. If False, vtex draws it over them. Default: True with
+        `element`, else False.
     """
 
     drawing: _inputs.Picture | None = None
@@ -692,9 +712,10 @@ class Order(Edit):
     Parameters
     ----------
     by : {"x", "y", "area", "lightness", "random"}
-        Place from the left or the top, size, lightness, or nothing.
+        Property to sort by: position from the left, position from the top, area, lightness, or at random. vtex paints
+        the element with the smallest value first.
     reverse : bool, default False
-        Whether the most of it is painted first, and lies undermost.
+        Whether to paint the element with the largest value first, below the others.
     """
 
     by: Literal["x", "y", "area", "lightness", "random"]
@@ -708,21 +729,21 @@ class Order(Edit):
 
 @dataclass(frozen=True, eq=False)
 class Delete(Edit):
-    """Take elements away."""
+    """Remove elements."""
 
     _word: ClassVar[str] = "delete"
 
 
 @dataclass(frozen=True, eq=False)
 class Mask(Edit):
-    """Keep the elements whose centre lies inside a shape, or outside.
+    """Keep the elements whose centre is inside a shape, or outside.
 
     Parameters
     ----------
     shape : picture or SVG
-        An SVG with one path, fitted to the canvas, or a picture, white (1.0) inside.
+        SVG with one path, fitted to the canvas. Or a picture, in which white (1.0) is inside.
     inside : bool, default True
-        Whether those inside are kept, else those outside.
+        Whether to keep the elements inside the shape. If False, vtex keeps those outside.
     """
 
     shape: _inputs.Picture
@@ -735,7 +756,7 @@ class Mask(Edit):
 
 
 def _asked(edits: Iterable[Edit | Iterable[Edit]]) -> tuple[list[dict[str, Any]], dict[str, bytes]]:
-    """Give edits, and those of lists among them, as plain data, and the files that they name."""
+    """Return edits, one by one or in lists, as plain data, and the files that they name."""
     files = _Files()
     asked = []
     several = (list(given) if _is_list(given) else [given] for given in edits)
@@ -748,5 +769,5 @@ def _asked(edits: Iterable[Edit | Iterable[Edit]]) -> tuple[list[dict[str, Any]]
 
 
 def _is_list(given: object) -> TypeGuard[Iterable[Edit]]:
-    """Tell whether something holds edits; text and classes hold none."""
+    """Return whether an object contains edits. Text and classes do not."""
     return isinstance(given, Iterable) and not isinstance(given, (str, bytes, type))

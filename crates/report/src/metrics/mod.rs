@@ -180,7 +180,7 @@ pub const SCALE: Parameter<f64> = Parameter::new("scale", [0.01, 100.0], "").or(
 ///
 /// # Errors
 /// [`Error::Parameter`] for a scale out of range; [`Error::TooLarge`] if the result would have more
-/// than 6 million pixels.
+/// than 24 million pixels.
 pub fn scaled(image: RgbImage, scale: f64) -> Result<RgbImage> {
     SCALE.check(scale)?;
     if scale == 1.0 {
@@ -192,17 +192,26 @@ pub fn scaled(image: RgbImage, scale: f64) -> Result<RgbImage> {
     Ok(resized(&image, width as u32, height as u32, Filter::Lanczos))
 }
 
-/// Two pictures made smaller by the same factor, so that the larger has no more pixels than [`compare`] takes;
-/// `None` if neither has more.
-pub fn reduced(exemplar: &RgbImage, result: &RgbImage) -> Option<[RgbImage; 2]> {
+/// Two pictures as they are, or made smaller by the same factor, with a warning, so that the larger has no more pixels
+/// than [`compare`] takes.
+pub fn reduced([exemplar, result]: [RgbImage; 2], progress: &dyn Progress) -> [RgbImage; 2] {
     let pixels = |image: &RgbImage| f64::from(image.width()) * f64::from(image.height());
-    let factor = libm::sqrt(MOST_PIXELS as f64 / pixels(exemplar).max(pixels(result)));
-    let smaller = |image: &RgbImage| {
+    let factor = libm::sqrt(MOST_PIXELS as f64 / pixels(&exemplar).max(pixels(&result)));
+    if factor >= 1.0 {
+        return [exemplar, result];
+    }
+    let smaller = |image: RgbImage| {
         let [width, height] =
             [image.width(), image.height()].map(|v| (f64::from(v) * factor).max(1.0) as u32);
-        resized(image, width, height, Filter::Lanczos)
+        resized(&image, width, height, Filter::Lanczos)
     };
-    (factor < 1.0).then(|| [smaller(exemplar), smaller(result)])
+    let pictures = [smaller(exemplar), smaller(result)];
+    let (width, height) = pictures[0].dimensions();
+    progress.warn(&format!(
+        "both pictures were reduced by the same factor before they were compared, the exemplar to \
+         {width} x {height} px: fine grain counts for less"
+    ));
+    pictures
 }
 
 fn check_size(image: &RgbImage, name: &str) -> Result<()> {

@@ -47,17 +47,7 @@ pub(super) fn run(
         None
     };
     let other = metrics::scaled(other, scale)?;
-    let pictures = match metrics::reduced(&picture, &other) {
-        Some(reduced) => {
-            let [width, height] = [reduced[0].width(), reduced[0].height()];
-            reporter.warn(&format!(
-                "both pictures were reduced by the same factor before they were compared, '{exemplar}' to \
-                 {width} x {height} px: fine grain counts for less"
-            ));
-            reduced
-        }
-        None => [picture, other],
-    };
+    let pictures = metrics::reduced([picture, other], reporter);
     let metrics = Metrics { contours, ..metrics::compare(&pictures[0], &pictures[1], reporter)? };
     let (seconds, warnings) = reporter.finish();
     let seconds = seconds.iter().map(|s| s.1.as_secs_f64()).sum::<f64>();
