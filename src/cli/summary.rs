@@ -669,7 +669,10 @@ pub(crate) fn few_whole(s: &Structure, library: &Library) -> Option<String> {
     } else {
         larger.to_owned()
     };
-    Some(format!("only {} of {all} elements came whole, most others are joined of parts: {helps}", s.whole))
+    Some(format!(
+        "only {} of {all} elements came whole, the others were replaced or joined of parts: {helps}",
+        s.whole
+    ))
 }
 
 /// How a photograph was turned because few of its elements are whole, in a line.

@@ -1,6 +1,6 @@
 //! Loading of exemplars: decodes common image formats to 8-bit RGB, within limits. Small tiles are repeated.
 //!
-//! Colour profiles are ignored: every image is taken for sRGB.
+//! Colours are converted to sRGB from the colour profile of the image.
 
 use super::small_tiles;
 use image::{DynamicImage, RgbImage};

@@ -23,7 +23,7 @@ use vtex::output::file::Format;
 
 const MAKES: Makes = Makes { allowed: format::OF_LIBRARY, usual: Format::Library, word: "" };
 
-/// Photograph to library
+/// Make a library from a photograph
 #[derive(Args)]
 #[command(
     override_usage = "vtex analyze [OPTIONS] <PHOTO>",

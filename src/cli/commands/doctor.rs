@@ -14,7 +14,7 @@ use serde::Serialize;
 use std::path::PathBuf;
 use vtex::engine::{EngineChoice, EngineOptions, GIVEN, MINIMUM_MINOR, choose, locate};
 
-/// Say what networks run on, and what is missing
+/// Check the neural-network runtimes and models
 #[derive(Args)]
 #[command(
     mut_args(common(&["engine"])),

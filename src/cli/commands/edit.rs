@@ -33,22 +33,22 @@ Examples:
   vtex edit out.scene.json -o red.svg --op 'tint red' --op 'shadow --length 6'
   vtex edit --list
 
-Operations are done in the order given; the scene keeps a record of them. Random choices follow the
-scene's seed, unless --seed gives another."
+Operations run in the order given, and the scene records them. Random choices
+follow the scene's seed, unless you give --seed."
 )]
 pub(crate) struct EditArgs {
     /// The scene, plain or gzip; - reads stdin
     #[arg(value_name = "SCENE")]
     pub(crate) scene: Option<PathBuf>,
-    /// An operation with its own flags, in quotes; may be given again and again. --list explains all
+    /// Operation with its flags, in quotes; for several, repeat --op. --list explains all
     #[arg(long, value_name = "OPERATION", allow_hyphen_values = true)]
     pub(crate) op: Vec<String>,
-    /// Explain all operations and do nothing else
+    /// Explain all operations, and stop
     #[arg(long)]
     pub(crate) list: bool,
     /// Result: .svg, .svgz, .pdf, .png, .scene.json or .scene.json.gz [default: ./SCENE.edited.svg]
     ///
-    /// Its extension is its format; - writes SVG to stdout; several -o write several files
+    /// The file extension sets the format. - writes SVG to stdout. Several -o write several files
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Vec<PathBuf>,
     #[command(flatten)]

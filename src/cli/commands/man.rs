@@ -6,7 +6,7 @@ use clap::Args;
 use std::path::{Path, PathBuf};
 use vtex::Error;
 
-/// Write the man pages into a folder
+/// Write the man pages to a folder
 #[derive(Args)]
 #[command(
     hide = true,
@@ -15,7 +15,7 @@ Examples:
   vtex man ~/.local/share/man/man1"
 )]
 pub(crate) struct ManArgs {
-    /// The folder, made if need be
+    /// The folder; vtex creates it if needed
     #[arg(value_name = "DIR")]
     pub(crate) folder: PathBuf,
 }

@@ -14,7 +14,7 @@ use clap::{Args, Subcommand};
 use serde::Serialize;
 use std::path::PathBuf;
 
-/// Keep models of Segment Anything for --segmenter sam
+/// Manage models of Segment Anything for --segmenter sam
 #[derive(Args)]
 #[command(
     subcommand_required = true,
@@ -27,8 +27,8 @@ Examples:
   vtex models verify
   vtex models remove mobile-sam
 
-Models are kept in vtex/models in the user's folder for data, or in the folder that VTEX_MODELS
-names. Nothing is ever downloaded."
+Models are stored in vtex/models in your data folder, or in the folder that
+VTEX_MODELS names. Nothing is ever downloaded."
 )]
 pub(crate) struct ModelsArgs {
     #[command(subcommand)]
@@ -37,16 +37,16 @@ pub(crate) struct ModelsArgs {
 
 #[derive(Subcommand)]
 pub(crate) enum ModelsAction {
-    /// Copy the files of a model: encoder and decoder, or one file that holds both
+    /// Add a model: copy its encoder and decoder, or one file with both
     #[command(after_help = "Examples:\n  vtex models add encoder.onnx decoder.onnx --name mobile-sam")]
     Add(ModelsAddArgs),
-    /// Name all models, with their files
+    /// List all models with their files
     List,
-    /// Compare all files with what they were when they were added
+    /// Check that all files are still as they were when added
     Verify,
     /// Delete a model
     Remove {
-        /// Its name
+        /// Name of the model
         #[arg(value_name = "NAME")]
         name: Name,
     },
@@ -55,13 +55,13 @@ pub(crate) enum ModelsAction {
 /// The files of a model.
 #[derive(Args)]
 pub(crate) struct ModelsAddArgs {
-    /// The ONNX files, in any order, and those with their weights if these are apart
+    /// The ONNX files in any order, with the files of their weights if these are separate
     #[arg(value_name = "FILE", required = true)]
     pub(crate) files: Vec<PathBuf>,
     /// Name of the model: letters, digits, - and _
     #[arg(long, value_name = "NAME")]
     pub(crate) name: Name,
-    /// Replace a model of that name
+    /// Replace an existing model of that name
     #[arg(short, long)]
     pub(crate) force: bool,
     #[command(flatten)]

@@ -21,7 +21,7 @@ use vtex::output::file::Format;
 use vtex::output::png::encode_rgb;
 use vtex::pixels::{ScanParams, by_numbers, carried, extended, filled, scanned, scanned_by_numbers};
 
-/// Photograph to pixels of any size: a baseline
+/// Make pixels of any size from a photograph: a baseline
 #[derive(Args)]
 #[command(
     override_usage = "vtex raster [OPTIONS] <PHOTO>",
@@ -42,39 +42,40 @@ pub(crate) struct RasterArgs {
     pub(crate) output: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) force: ForceArgs,
-    /// Size of the result: 1000, 1000x600, or lengths at 96 px to the inch: 300mm, 12in
+    /// Size of the result: 1000, 1000x600, or at 96 px per inch: 300mm, 12in
     #[arg(long, value_name = "SIZE")]
     #[arg(takes = format!("1 to {} px each, default: as the photograph", Exemplar::LARGEST_SIDE))]
     pub(crate) size: Option<Size>,
-    /// Make it repeat without a seam, along x, y or both axes [none, both, x or y; alone: both;
+    /// Make the result repeat without a seam, along x, y or both axes [none, both, x or y; alone: both;
     /// default: none]
     #[arg(long, value_name = "AXES", num_args = 0..=1, require_equals = true, default_missing_value = "both")]
     pub(crate) tile: Option<Axes>,
-    /// Pixels carried along a field of correspondences, or made one by one with a codebook of
-    /// neighbourhoods, which repeat without a seam [correspondence or tsvq, default: correspondence; tsvq
-    /// with the options below]
+    /// How to make pixels: correspondence copies patches of the photograph; tsvq makes them one by one from a
+    /// codebook of neighbourhoods, and new textures have no seam [correspondence or tsvq, default:
+    /// correspondence; tsvq with the options below]
     #[arg(long, value_name = "METHOD", value_parser = named::<PixelMethod>)]
     pub(crate) method: Option<PixelMethod>,
-    /// Two layer maps: where in the photograph what is, and where it is to be in the result; the
-    /// second sets the size
+    /// Two layer maps: where the layers are in the photograph, and where they will be in the result. The
+    /// second map sets the size
     #[arg(long, num_args = 2, value_names = ["KNOWN", "WANTED"], conflicts_with = "size")]
     pub(crate) control: Option<Vec<PathBuf>>,
-    /// Make a part of the photograph anew and keep the rest: white in a picture of its size, or opaque
-    /// where that has transparency
+    /// Make a part of the photograph again and keep the rest. The part is white in a picture of the same
+    /// size, or opaque if that has transparency
     #[arg(long, value_name = "FILE", help_heading = CODEBOOK, conflicts_with_all = ["size", "control", "extend"])]
     pub(crate) hole: Option<PathBuf>,
-    /// Continue the photograph beyond its border, by one number on all sides or by four
+    /// Continue the photograph beyond its border, by one number on all sides or by four: left, top, right,
+    /// bottom
     #[arg(long, value_name = "PX|L,T,R,B", help_heading = CODEBOOK, conflicts_with_all = ["size", "control"])]
     #[arg(takes = format!("{}, default: 0", Margins::EACH))]
     pub(crate) extend: Option<Margins>,
-    /// Levels of resolution, each half of the next finer
+    /// Number of resolution levels, each half of the next finer
     #[arg(long, help_heading = CODEBOOK)]
     #[arg(number_or(ScanParams::LEVELS, format!("up to {}, as many as the photograph has room for", ScanParams::MOST_DEFAULT_LEVELS)))]
     pub(crate) levels: Option<usize>,
     /// Side of the neighbourhoods that are compared, an odd number
     #[arg(long, alias = "neighborhood", help_heading = CODEBOOK, number = ScanParams::NEIGHBOURHOOD)]
     pub(crate) neighbourhood: Option<usize>,
-    /// Codewords of each level, at most as many as it has neighbourhoods
+    /// Number of codewords per level, at most its number of neighbourhoods
     #[arg(long, help_heading = CODEBOOK, number = ScanParams::CODEBOOK)]
     pub(crate) codebook: Option<usize>,
 }

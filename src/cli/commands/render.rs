@@ -29,7 +29,7 @@ const WIDTH: Parameter<u32> = Parameter { unit: "px", default: None, ..SynthPara
 
 const MAKES: Makes = Makes { allowed: format::OF_SCENE, usual: Format::Png, word: "" };
 
-/// Library (drawn back as its exemplar), scene or SVG to picture
+/// Draw a library (as its exemplar), a scene or an SVG as a picture
 #[derive(Args)]
 #[command(
     override_usage = "vtex render [OPTIONS] <FILE>",
@@ -44,13 +44,13 @@ pub(crate) struct RenderArgs {
     /// A library, scene or SVG, plain or gzip; - reads stdin
     #[arg(value_name = "FILE", required = true)]
     pub(crate) file: Option<PathBuf>,
-    /// Result: .png; of a library or scene also .svg, .svgz, .pdf, .scene.json or .scene.json.gz [default:
+    /// Result: .png; for a library or scene also .svg, .svgz, .pdf, .scene.json or .scene.json.gz [default:
     /// ./FILE.png]
     ///
-    /// - writes PNG to stdout; several -o write several files
+    /// - writes PNG to stdout. Several -o write several files
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Vec<PathBuf>,
-    /// Width of a PNG, where no scale is given
+    /// Width of a PNG, if you give no scale
     #[arg(long, number_or(WIDTH, "as the scale says"), conflicts_with = "scale", help_heading = "Output")]
     pub(crate) width: Option<u32>,
     #[command(flatten)]

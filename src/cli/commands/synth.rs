@@ -27,7 +27,7 @@ use vtex::scene::{Method, SynthParams};
 
 const MAKES: Makes = Makes { allowed: format::OF_SCENE, usual: Format::Svg, word: "" };
 
-/// Library to vector texture
+/// Make a vector texture from a library
 #[derive(Args)]
 #[command(
     override_usage = "vtex synth [OPTIONS] <LIBRARY>...",
@@ -43,12 +43,12 @@ Examples:
   vtex synth photo.lib.json -o - | gzip > out.svgz"
 )]
 pub(crate) struct SynthArgs {
-    /// The library, plain or gzip; - reads stdin. Several, at most 16, share the canvas by --map
+    /// The library, plain or gzip; - reads stdin. Several, at most 16, share the canvas with --map
     #[arg(value_name = "LIBRARY", required = true)]
     pub(crate) library: Vec<PathBuf>,
     /// Result: .svg, .svgz, .pdf, .png, .scene.json or .scene.json.gz [default: ./LIBRARY.svg]
     ///
-    /// Its extension is its format; - writes SVG to stdout; several -o write several files
+    /// The file extension sets the format. - writes SVG to stdout. Several -o write several files
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Vec<PathBuf>,
     #[command(flatten)]
@@ -69,9 +69,9 @@ pub(crate) struct SynthArgs {
     pub(crate) background: SynthBackgroundFlags,
     #[command(flatten)]
     pub(crate) control: ControlArgs,
-    /// Which library is where, for several: one grey picture for two (black the first, white the
-    /// second), one with a colour for each (in the order of its palette, or from dark to light), or a
-    /// grey one for each (white all, black nothing), given one after the other
+    /// Where to use which of several libraries. For two: a grey picture, black for the first and white for
+    /// the second. For more: a picture with one colour for each, in the order of its palette, or from dark to
+    /// light. Or one grey picture for each, white where it is used, one after the other
     #[arg(long, value_name = "FILE", help_heading = "Control (pictures are stretched over the canvas)")]
     pub(crate) map: Vec<PathBuf>,
     #[command(flatten)]

@@ -32,7 +32,7 @@ use vtex::synth::Controls;
 
 const MAKES: Makes = Makes { allowed: format::OF_PHOTO, usual: Format::Svg, word: "texture" };
 
-/// Photograph to vector texture, in one go
+/// Make a vector texture from a photograph, in one step
 #[derive(Args)]
 #[command(
     override_usage = "vtex texture [OPTIONS] <PHOTO>",
@@ -52,13 +52,14 @@ pub(crate) struct TextureArgs {
     /// Result: .svg, .svgz, .pdf, .png, .scene.json, .scene.json.gz, .lib.json or .lib.json.gz [default:
     /// ./PHOTO.texture.svg]
     ///
-    /// Its extension is its format; - writes SVG to stdout; several -o write several files
+    /// The file extension sets the format. - writes SVG to stdout. Several -o write several files
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Vec<PathBuf>,
-    /// Also write library and scene, to go on with: out.lib.json and out.scene.json beside out.svg
+    /// Also write the library and the scene, to continue later: out.lib.json and out.scene.json beside
+    /// out.svg
     #[arg(long, help_heading = "Output")]
     pub(crate) keep: bool,
-    /// Make it as an SVG of this command was made, to the same bytes; options given here win
+    /// Repeat the recipe stored in an SVG of this command, to the same bytes; options given here override it
     #[arg(long, value_name = "SVG")]
     pub(crate) again: Option<PathBuf>,
     #[command(flatten)]

@@ -20,7 +20,7 @@ use vtex::library::Library;
 use vtex::scene::SynthParams;
 use vtex::tune::{Terms, TuneParams, TunedWeights, tune};
 
-/// Search weights of the score that suit a library
+/// Search for placement weights that suit a library
 #[derive(Args)]
 #[command(
     override_usage = "vtex tune [OPTIONS] <LIBRARY>",
@@ -29,8 +29,8 @@ Examples:
   vtex tune photo.lib.json
   vtex tune photo.lib.json --name slow --seeds 10 --evaluations 2000 --seed 7
 
-Weights are written beside the library, as photo.tuned.weights.json. Nothing uses them unless
-asked to: vtex synth photo.lib.json --weights tuned"
+The weights are written beside the library, as photo.tuned.weights.json. To use
+them: vtex synth photo.lib.json --weights tuned"
 )]
 pub(crate) struct TuneArgs {
     /// The library, plain or gzip
@@ -48,13 +48,13 @@ pub(crate) struct TuneArgs {
 /// How weights are searched.
 #[derive(Args)]
 pub(crate) struct TuneFlags {
-    /// Canvases placed for each set of weights
+    /// Number of canvases to place for each set of weights
     #[arg(long, number = TuneParams::SEEDS, default_value_t = TuneParams::SEEDS.default())]
     pub(crate) seeds: u32,
-    /// Sets of weights tried
+    /// Number of sets of weights to try
     #[arg(long, number = TuneParams::EVALUATIONS, default_value_t = TuneParams::EVALUATIONS.default())]
     pub(crate) evaluations: u32,
-    /// Canvas size: 1000, 1000x600, or lengths at 96 px to the inch: 300mm, 12in
+    /// Canvas size: 1000, 1000x600, or at 96 px per inch: 300mm, 12in
     #[arg(long, value_name = "SIZE")]
     #[arg(takes = format!("{}, default: {}", Size::canvas(TuneParams::SIDE), TuneParams::SIDE.default()))]
     pub(crate) size: Option<Size>,

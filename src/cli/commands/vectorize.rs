@@ -26,7 +26,7 @@ use vtex::synth::reconstruct;
 
 const MAKES: Makes = Makes { allowed: format::OF_SCENE, usual: Format::Svg, word: "vector" };
 
-/// The photograph itself, drawn in vectors
+/// Draw the photograph itself in vectors
 #[derive(Args)]
 #[command(
     override_usage = "vtex vectorize [OPTIONS] <PHOTO>",
@@ -44,7 +44,7 @@ pub(crate) struct VectorizeArgs {
     pub(crate) photo: Option<PathBuf>,
     /// Result: .svg, .svgz, .pdf, .png, .scene.json or .scene.json.gz [default: ./PHOTO.vector.svg]
     ///
-    /// Its extension is its format; - writes SVG to stdout; several -o write several files
+    /// The file extension sets the format. - writes SVG to stdout. Several -o write several files
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Vec<PathBuf>,
 
@@ -65,8 +65,8 @@ pub(crate) struct VectorizeArgs {
 }
 
 /// Help of `--segmenter` here.
-const SEGMENTER: &str = "Segmenter that finds the elements: auto is regions, which takes a third of texton's time and \
-     draws the picture as well [auto, texton, regions, felzenszwalb or sam, default: auto]";
+const SEGMENTER: &str = "Segmenter that finds the elements; auto is regions, which takes a third of \
+     texton's time for an equally good picture [auto, texton, regions, felzenszwalb or sam, default: auto]";
 
 /// The source of masks: a network does not improve the drawing, so the default is without.
 fn without_network(masks: MasksFrom) -> MasksFrom {

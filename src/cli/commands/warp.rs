@@ -34,33 +34,34 @@ Examples:
   vtex warp wide.scene.json photo.lib.json --stretch 1.5x1 -o wider.svg
   vtex warp a.scene.json photo.lib.json --cage a.svg --to b.svg -o bent.svg
 
-Elements move, gaps are filled with new ones, and where they crowd some go. New ones are drawn by
-the scene's seed, unless --seed gives another."
+Elements move. New ones fill the gaps, and some are removed where it is crowded.
+The scene's seed decides on the new ones, unless you give --seed."
 )]
 pub(crate) struct WarpArgs {
     /// The scene, plain or gzip; - reads stdin
     #[arg(value_name = "SCENE", required = true)]
     pub(crate) scene: Option<PathBuf>,
-    /// The libraries that it was made from, plain or gzip; - reads stdin
+    /// The libraries that the scene was made from, plain or gzip; - reads stdin
     #[arg(value_name = "LIBRARY", required = true)]
     pub(crate) library: Vec<PathBuf>,
-    /// The cage before: an SVG with one closed path, drawn over the scene, an SVG's pixel for a pixel
+    /// Cage before: an SVG with one closed path, drawn over the scene; one SVG pixel is one pixel of the
+    /// scene
     #[arg(long, value_name = "FILE", requires = "to", conflicts_with = "scale")]
     pub(crate) cage: Option<PathBuf>,
-    /// The cage after: a copy whose points have been moved; its page is the new canvas
+    /// Cage after: a copy whose points you moved; its page is the new canvas
     #[arg(long, value_name = "FILE", requires = "cage")]
     pub(crate) to: Option<PathBuf>,
     /// Stretch the canvas: 1.5 or 1.5x2
     #[arg(long = "stretch", value_name = "FACTOR", takes = Bend::FACTORS)]
     pub(crate) scale: Option<Factors>,
-    /// At the edge of the new shape keep elements whole, clip them, or avoid it [keep, clip or avoid,
-    /// default: as in the scene]
+    /// Elements at the edge of the new shape: keep them whole, clip them, or avoid the edge [keep, clip or
+    /// avoid, default: as in the scene]
     #[arg(long, value_name = "HOW", hide_possible_values = true)]
     #[arg(value_parser = one_of(&["keep", "clip", "avoid"], named::<Edge>))]
     pub(crate) edge: Option<Edge>,
     /// Result: .svg, .svgz, .pdf, .png, .scene.json or .scene.json.gz [default: ./SCENE.warped.svg]
     ///
-    /// Its extension is its format; - writes SVG to stdout; several -o write several files
+    /// The file extension sets the format. - writes SVG to stdout. Several -o write several files
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Vec<PathBuf>,
     #[command(flatten)]

@@ -22,12 +22,12 @@ pub(crate) struct ParsedOperation {
 pub(super) struct Line {
     #[command(subcommand)]
     verb: Verb,
-    /// which layer, by its name or role: primary, secondary, background (for colours only); all is
-    /// every layer of elements [a name, default: all]
+    /// only this layer, by its name or role: primary, secondary, background (for colours only); all is every
+    /// layer of elements [a name, default: all]
     #[arg(long, global = true, value_name = "NAME", default_value = "all")]
     layer: String,
-    /// only those that fulfil all of category=3 (or 3|5, !=3, or a name; secondaries have none), library=1,
-    /// id=17, motif=4, area>200, elongation>1.5, x<500, y>=20 (with >, <, >= or <=), inside=FILE,
+    /// only elements that meet all conditions: category=3 (or 3|5, !=3, or a name; secondaries have none),
+    /// library=1, id=17, motif=4, area>200, elongation>1.5, x<500, y>=20 (with >, <, >= or <=), inside=FILE,
     /// outside=FILE [conditions, with commas between]
     #[arg(long = "where", global = true, value_name = "CONDITIONS", value_delimiter = ',')]
     #[arg(value_parser = condition)]

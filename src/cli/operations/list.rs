@@ -8,8 +8,8 @@ use std::fmt::Write;
 /// Names, parameters and examples of all operations.
 pub(crate) fn list() -> String {
     let mut text = String::from(
-        "Operations of 'vtex edit', each in quotes after --op. Words with spaces in them are quoted again;\n\
-         lengths are pixels of the canvas.\n",
+        "Operations of 'vtex edit'. Write each in quotes after --op, and quote words with spaces again.\n\
+         Lengths are in pixels of the canvas.\n",
     );
     let line = Line::command();
     for verb in line.get_subcommands() {

@@ -17,185 +17,185 @@ use vtex::scene::InstanceId;
 /// Verbs of operations. Help ends in what is allowed; `after_help` is an example.
 #[derive(Debug, Subcommand)]
 pub(super) enum Verb {
-    /// Take elements away: the small ones go, and of what is left a share of each layer is kept.
+    /// Remove elements: first the small ones, then others until a share of each layer is left.
     #[command(after_help = "thin 0.5 --layer secondary")]
     Thin {
-        /// share kept
+        /// share to keep
         #[arg(number = Action::KEEP, value_name = "KEEP")]
         keep: Option<f64>,
-        /// which go first: those with the nearest neighbours, so that what is left stays even; any; or
-        /// the smallest [blue-noise, random, area, default: blue-noise]
+        /// which to remove first: those with the nearest neighbours, so that the others stay evenly spread;
+        /// random ones; or the smallest [blue-noise, random, area, default: blue-noise]
         #[arg(long, value_name = "WORD", value_parser = choice::<ThinOrder>(&["blue-noise", "random", "area"]))]
         order: Option<ThinOrder>,
-        /// smaller elements go, and smaller details of those that stay
+        /// remove smaller elements, and smaller details of the others
         #[arg(long, number = Action::MINIMUM_AREA)]
         min_area: Option<f64>,
     },
-    /// Keep each element with the probability of a grey picture where it stands: white all, black none.
+    /// Keep each element with the probability a grey map gives at its position: white all, black none.
     #[command(after_help = "density fade.png --layer primary")]
     Density {
-        /// the picture, stretched over the canvas [a file]
+        /// the grey map, stretched over the canvas [a file]
         #[arg(value_name = "MAP", value_parser = file)]
         map: String,
     },
-    /// Turn the longer axis of each element towards a direction. Round ones stay as they are.
+    /// Turn the longer axis of each element towards a direction. Round elements do not change.
     #[command(after_help = "orient 30 --strength 0.8")]
     Orient {
-        /// clockwise from the right: 0 lies, 90 stands; or a grey picture, black 0 to white 180
+        /// direction, clockwise from the right: 0 = horizontal, 90 = vertical; or a grey picture, black 0 to
+        /// white 180
         #[arg(value_name = "DEGREES", takes = or_a_file(Action::DEGREES))]
         #[arg(value_parser = number_or_file(Action::DEGREES, Direction::Angle, Direction::Map))]
         direction: Direction,
-        /// share of the way
+        /// how far to turn; 1 is all the way
         #[arg(long, number = Action::STRENGTH, default_value_t = Action::STRENGTH.default())]
         strength: f64,
     },
-    /// Mix colours with one, in Oklab.
+    /// Mix a colour into all colours, in Oklab.
     #[command(after_help = "tint #ff0000 --amount 0.5 --share 0.3")]
     Tint {
-        /// the colour; or a picture, stretched over the canvas, that gives each element the colour it has
-        /// where the element stands, and none where it is transparent [#rrggbb, #rgb or a name of CSS, or a
-        /// file]
+        /// the colour; or a picture, stretched over the canvas: each element gets the colour at its position,
+        /// and none where the picture is transparent [#rrggbb, #rgb or a name of CSS, or a file]
         #[arg(value_name = "COLOUR", value_parser = colour_or_map)]
         colour: ColourOrMap,
-        /// its share in the mixture
+        /// share of the new colour in the mixture
         #[arg(long, number = Action::AMOUNT, default_value_t = Action::AMOUNT.default())]
         amount: f64,
-        /// share of the elements tinted, chosen at random
+        /// share of the elements to tint, chosen at random
         #[arg(long, number = Action::SHARE, default_value_t = Action::SHARE.default())]
         share: f64,
     },
-    /// Move colours like one to another, and those less like it less far; shading stays.
+    /// Shift one colour to another; similar colours follow partly. Shading stays.
     #[command(after_help = "recolor --from #808080 --to #3060a0")]
     Recolor {
-        /// colour sought [#rrggbb, #rgb or a name of CSS, needed]
+        /// colour to change [#rrggbb, #rgb or a name of CSS, needed]
         #[arg(long, value_name = "COLOUR", value_parser = colour)]
         from: Colour,
-        /// colour that it becomes [#rrggbb, #rgb or a name of CSS, needed]
+        /// new colour [#rrggbb, #rgb or a name of CSS, needed]
         #[arg(long, value_name = "COLOUR", value_parser = colour)]
         to: Colour,
-        /// Oklab distance up to which colours are alike; black and white are 1 apart
+        /// maximum Oklab distance of similar colours; black and white are 1 apart
         #[arg(long, number = Action::REACH, default_value_t = Action::REACH.default())]
         reach: f64,
-        /// leave colours unlike the main one of their element, such as the hearts of flowers
-        /// [nothing, details, default: nothing]
+        /// what to keep: nothing, or details that differ from the main colour of their element, such as the
+        /// hearts of flowers [nothing, details, default: nothing]
         #[arg(long, value_name = "WORD", value_parser = choice::<Keep>(&["nothing", "details"]))]
         #[arg(default_value = "nothing")]
         keep: Keep,
     },
-    /// Replace the main colours, by the area that they cover, with those of a palette, both from dark to
-    /// light; shading stays. Without --layer the background changes, too.
+    /// Replace the main colours by those of a palette, weighted by area and matched from dark to light.
+    /// Shading stays. Without --layer, the background changes too.
     #[command(after_help = "palette autumn.gpl")]
     Palette {
-        /// #rrggbb in any text, or a GIMP palette [a file]
+        /// a text with #rrggbb colours, or a GIMP palette [a file]
         #[arg(value_name = "FILE", value_parser = file)]
         file: String,
     },
-    /// Put a shadow under each element; it falls on what lies below and on nothing above.
+    /// Put a shadow under each element. It falls on what is below, not on what is above.
     #[command(after_help = "shadow --angle 60 --length 6 --layer primary")]
     Shadow {
-        /// where it falls, clockwise from the right
+        /// direction, clockwise from the right
         #[arg(long, number = Action::SHADOW_ANGLE, default_value_t = Action::SHADOW_ANGLE.default())]
         angle: f64,
-        /// how far
+        /// distance of the shadow
         #[arg(long, number = Action::SHADOW_LENGTH, default_value_t = Action::SHADOW_LENGTH.default())]
         length: f64,
-        /// how dark; 0 takes shadows away
+        /// opacity; 0 removes shadows
         #[arg(long, number = Action::OPACITY, default_value_t = Action::OPACITY.default())]
         opacity: f64,
-        /// width of its soft edge
+        /// width of the soft edge
         #[arg(long, number = Action::BLUR, default_value_t = Action::BLUR.default())]
         blur: f64,
     },
-    /// Drop the details: each element gets the mean of its colours.
+    /// Remove the details. Each element gets the mean of its colours.
     #[command(after_help = "flatten")]
     Flatten,
-    /// Draw outlines again with fewer points, and drop the details that are smaller than that.
+    /// Draw outlines again with fewer points, and remove smaller details.
     #[command(after_help = "simplify 1")]
     Simplify {
-        /// how far an outline may move
+        /// maximum distance that an outline may move
         #[arg(number = Action::TOLERANCE, value_name = "PX")]
         tolerance: f64,
     },
     /// Draw a line along each element's outline.
     #[command(after_help = "outline 1.5 #202020 --layer primary")]
     Outline {
-        /// width of the line; 0 takes lines away
+        /// line width; 0 removes lines
         #[arg(number = Action::WIDTH, value_name = "WIDTH")]
         width: f64,
-        /// its colour [#rrggbb, #rgb or a name of CSS]
+        /// line colour [#rrggbb, #rgb or a name of CSS]
         #[arg(value_name = "COLOUR", value_parser = colour)]
         colour: Colour,
     },
-    /// Draw each element in ink: an outline on paper, and hatching that is the denser the darker it is; dark spots
-    /// become dots.
+    /// Draw each element in ink: an outline on paper, with lines that are closer where it is darker. Dark
+    /// spots become dots.
     #[command(after_help = "hatch --spacing 5 --width 0.8 --layer primary")]
     Hatch {
-        /// distance of the lines of the lightest tone; darker ones have them closer, then crossed
+        /// distance between lines of the lightest tone; darker tones have closer, then crossed lines
         #[arg(long, number = Action::HATCH_SPACING, default_value_t = Action::HATCH_SPACING.default())]
         spacing: f64,
-        /// their direction, clockwise from the right
+        /// direction of the lines, clockwise from the right
         #[arg(long, number = Action::HATCH_ANGLE, default_value_t = Action::HATCH_ANGLE.default())]
         angle: f64,
-        /// their width, and that of outlines
+        /// width of lines and outlines
         #[arg(long, number = Action::HATCH_WIDTH, default_value_t = Action::HATCH_WIDTH.default())]
         width: f64,
-        /// the ink [#rrggbb, #rgb or a name of CSS, default: #202020]
+        /// ink colour [#rrggbb, #rgb or a name of CSS, default: #202020]
         #[arg(long, value_parser = colour, default_value = "#202020")]
         color: Colour,
-        /// the paper, within outlines [#rrggbb, #rgb or a name of CSS, default: white]
+        /// paper colour, inside outlines [#rrggbb, #rgb or a name of CSS, default: white]
         #[arg(long, value_parser = colour, default_value = "white")]
         paper: Colour,
     },
-    /// Replace each element by the one of another library whose shape fits best; it takes its place, size
-    /// and direction.
+    /// Replace each element by the one of another library whose shape fits best. The new one takes its
+    /// position, size and direction.
     #[command(after_help = "replace other.lib.json --layer primary")]
     Replace {
-        /// a .lib.json or .lib.json.gz [a file]
+        /// the library, .lib.json or .lib.json.gz [a file]
         #[arg(value_name = "LIBRARY", value_parser = file)]
         library: String,
     },
     /// Move elements.
     #[command(after_help = "move 20 -5 --where category=3")]
     Move {
-        /// to the right
+        /// distance to the right
         #[arg(number = Action::X, value_name = "X")]
         x: f64,
-        /// down
+        /// distance down
         #[arg(number = Action::Y, value_name = "Y")]
         y: f64,
     },
     /// Make elements larger or smaller, each about its own centre.
     #[command(after_help = "scale 1.3 --where 'area<200'")]
     Scale {
-        /// the factor; or a grey picture, stretched over the canvas: black almost nothing, middle grey as it
-        /// is, white twice
+        /// the factor; or a grey picture, stretched over the canvas: black almost nothing, middle grey no
+        /// change, white twice the size
         #[arg(value_name = "FACTOR", takes = or_a_file(Action::FACTOR), value_parser = or_map(Action::FACTOR))]
         factor: NumberOrMap,
     },
     /// Turn elements, each about its own centre.
     #[command(after_help = "rotate 90 --layer primary")]
     Rotate {
-        /// clockwise; or a grey picture, black 0 to white 360
+        /// angle, clockwise; or a grey picture, black 0 to white 360
         #[arg(value_name = "DEGREES", takes = or_a_file(Action::DEGREES), value_parser = or_map(Action::DEGREES))]
         angle: NumberOrMap,
     },
-    /// Scale, turn and move elements in one go, each about its own centre or all about theirs.
+    /// Scale, turn and move elements, each about its own centre or all about their common centre.
     #[command(
         after_help = "transform --scale 1.5 --rotate 30 --move 20,-5 --about selection --where category=3"
     )]
     Transform {
-        /// to the right, or to the right and down with a comma between
+        /// distance to the right, or to the right and down with a comma between
         #[arg(long = "move", value_name = "NUMBER", value_parser = pair(Action::WAY, |_| 0.0))]
         #[arg(takes = format!("{}, default: 0", Action::WAY), default_value = "0", allow_hyphen_values = true)]
         by: Pair,
-        /// the factor, or those along x and y with a comma between
+        /// factor, or factors along x and y with a comma between
         #[arg(long, value_name = "NUMBER", value_parser = pair(Action::FACTORS, |x| x))]
         #[arg(takes = format!("{}, default: 1", Action::FACTORS), default_value = "1", allow_hyphen_values = true)]
         scale: Pair,
-        /// clockwise, after scaling
+        /// angle, clockwise, after scaling
         #[arg(long = "rotate", number = Action::TURN, default_value_t = Action::TURN.default())]
         angle: f64,
-        /// the point that stays: the centre of each, or the mean of the centres of all selected
+        /// point that stays: the centre of each element, or the mean of the centres of all selected ones
         /// [each, selection, default: each]
         #[arg(long, value_name = "WORD", value_parser = choice::<About>(&["each", "selection"]))]
         #[arg(default_value = "each")]
@@ -204,108 +204,108 @@ pub(super) enum Verb {
     /// Move, turn, scale, stretch, mirror and recolour each element at random.
     #[command(after_help = "jitter --move 4 --rotate 15 --scale 10 --hue 8 --lightness 5")]
     Jitter {
-        /// at most so far
+        /// maximum distance
         #[arg(long = "move", number = Jitter::DISTANCE, default_value_t = Jitter::DISTANCE.default())]
         distance: f64,
-        /// at most this much either way
+        /// maximum angle, either way
         #[arg(long = "rotate", number = Jitter::ANGLE, default_value_t = Jitter::ANGLE.default())]
         angle: f64,
-        /// at most this much either way
+        /// maximum change of size, either way
         #[arg(long, number = Jitter::SCALE, default_value_t = Jitter::SCALE.default())]
         scale: f64,
-        /// the ratio of length to width at most this much either way; areas stay
+        /// maximum change of the ratio of length to width, either way; areas stay
         #[arg(long, number = Jitter::STRETCH, default_value_t = Jitter::STRETCH.default())]
         stretch: f64,
-        /// share of the elements that are mirrored, left to right
+        /// share of the elements to mirror, left to right
         #[arg(long, number = Jitter::FLIP, default_value_t = Jitter::FLIP.default())]
         flip: f64,
-        /// hues turned at most this much either way
+        /// maximum turn of hues, either way
         #[arg(long, number = Jitter::HUE, default_value_t = Jitter::HUE.default())]
         hue: f64,
-        /// chroma at most so much more or less
+        /// maximum change of chroma, either way
         #[arg(long, number = Jitter::CHROMA, default_value_t = Jitter::CHROMA.default())]
         chroma: f64,
-        /// lightness at most so much more or less; white is 100 above black
+        /// maximum change of lightness, either way; white is 100 above black
         #[arg(long, number = Jitter::LIGHTNESS, default_value_t = Jitter::LIGHTNESS.default())]
         lightness: f64,
-        /// evenly between the bounds, or normally, with the bounds at two standard deviations
-        /// [uniform, normal, default: uniform]
+        /// uniform: evenly within the maximum; normal: the maximum is two standard deviations [uniform,
+        /// normal, default: uniform]
         #[arg(long, value_name = "WORD", value_parser = choice::<Distribution>(&["uniform", "normal"]))]
         #[arg(default_value = "uniform")]
         distribution: Distribution,
-        /// every change is a multiple of the bound divided by this; 0 for any change
+        /// make every change a multiple of the maximum divided by this; 0: any change
         #[arg(long, number = Jitter::STEPS, default_value_t = Jitter::STEPS.default())]
         steps: u32,
     },
-    /// Let appearances, colours and details, change places at random among elements of like size.
+    /// Exchange colours and details at random between elements of similar size.
     #[command(after_help = "shuffle --layer primary --share 0.5")]
     Shuffle {
-        /// among the elements of a layer, or of each category in it [layer, category, default: layer]
+        /// exchange within a layer, or within each category of it [layer, category, default: layer]
         #[arg(long, value_name = "WORD", value_parser = choice::<Within>(&["layer", "category"]))]
         #[arg(default_value = "layer")]
         within: Within,
         /// share of the elements that take part
         #[arg(long, number = Action::SHARE, default_value_t = Action::SHARE.default())]
         share: f64,
-        /// whether outlines stay, or change places too, each fitted to the size and direction of the other
-        /// [keep, exchange, default: keep]
+        /// keep outlines, or exchange them too, fitted to the size and direction of the other element [keep,
+        /// exchange, default: keep]
         #[arg(long, value_name = "WORD", default_value = "keep", action = ArgAction::Set)]
         #[arg(value_parser = PossibleValuesParser::new(["keep", "exchange"]).map(|word| word == "exchange"))]
         outlines: bool,
     },
-    /// Make colours and shapes more alike or more varied, about their mean.
+    /// Make colours and shapes more alike or more varied, relative to their mean.
     #[command(after_help = "vary --color 1.5 --shape 0.5 --within category")]
     Vary {
-        /// 0 gives all the same median colour, 1 changes nothing, 2 makes them vary twice as much; or a
-        /// grey picture, black 0 to white 2
+        /// 0: all get the median colour, 1: no change, 2: twice the variation; or a grey picture, black 0 to
+        /// white 2
         #[arg(long = "color", value_name = "NUMBER", takes = or_a_file(Action::COLOUR))]
         #[arg(value_parser = or_map(Action::COLOUR))]
         colour: Option<NumberOrMap>,
-        /// as much for size, elongation and direction
+        /// the same for size, elongation and direction
         #[arg(long, value_name = "NUMBER", takes = or_a_file(Action::SHAPE), value_parser = or_map(Action::SHAPE))]
         shape: Option<NumberOrMap>,
-        /// one mean for the elements of a layer, or for each category in it [layer, category, default: layer]
+        /// use one mean for a layer, or one for each category of it [layer, category, default: layer]
         #[arg(long, value_name = "WORD", value_parser = choice::<Within>(&["layer", "category"]))]
         #[arg(default_value = "layer")]
         within: Within,
     },
-    /// Move elements apart where they are close, so that distances become even.
+    /// Move elements apart where they are too close, so that distances become even.
     #[command(after_help = "relax --rounds 30 --layer secondary")]
     Relax {
-        /// how often they move; it ends sooner if none moves any more
+        /// maximum number of rounds; stops earlier if no element moves
         #[arg(long, number = Action::ROUNDS, default_value_t = Action::ROUNDS.default())]
         rounds: u32,
-        /// share of the way each time
+        /// share of the missing distance to move in each round
         #[arg(long, number = Action::RELAX_STRENGTH, default_value_t = Action::RELAX_STRENGTH.default())]
         strength: f64,
-        /// no centres nearer than this; by default, the distance in a regular lattice of as many elements
+        /// minimum distance between centres; by default, that of a regular lattice with as many elements
         #[arg(long, number = Action::MINIMUM_DISTANCE)]
         min_distance: Option<f64>,
     },
-    /// Draw on one element, and it appears on all like it, fitted to their place, size and direction. The
-    /// drawing is an SVG over the whole canvas, and the element under it is the one that is drawn on; or a
-    /// drawing by itself, or a colour.
+    /// Draw on one element, and repeat the drawing on all similar ones, fitted to their position, size and
+    /// direction. Give an SVG over the whole canvas, drawn on one element; or a separate drawing; or a
+    /// colour.
     #[command(after_help = "propagate veins.svg --layer primary")]
     #[command(group(ArgGroup::new("what").required(true).args(["drawing", "element", "fill"])))]
     Propagate {
-        /// what is drawn, an SVG of the canvas's size [a file]
+        /// drawing on one element, an SVG of the canvas's size [a file]
         #[arg(value_name = "DRAWING", value_parser = file)]
         drawing: Option<String>,
-        /// what every element becomes, an SVG of any size, fitted by its largest shape [a file]
+        /// drawing that every element becomes, an SVG of any size, fitted by its largest shape [a file]
         #[arg(long, value_name = "FILE", value_parser = file)]
         element: Option<String>,
-        /// the colour that every element is filled with [#rrggbb, #rgb or a name of CSS]
+        /// colour to fill every element with [#rrggbb, #rgb or a name of CSS]
         #[arg(long, value_name = "COLOUR", value_parser = colour)]
         fill: Option<Colour>,
-        /// id of the element that the others are like, as in p7 of an SVG; by default the one under the
-        /// drawing, and without a drawing all that are selected are alike [0 or more]
+        /// id of the element to compare with, such as p7 in an SVG; by default the one under the drawing.
+        /// Without a drawing, all selected elements are similar by default [0 or more]
         #[arg(long, value_name = "ID", value_parser = instance)]
         of: Option<InstanceId>,
-        /// alike are elements whose median colours are no further apart in Oklab; by default, those of the
-        /// same category
+        /// maximum Oklab distance between the median colours of similar elements; by default, those of the
+        /// same category are similar
         #[arg(long, number = Action::SIMILAR)]
         similar: Option<f64>,
-        /// draw it on what elements show, or in place of that [add, replace, default: add, with --element
+        /// draw over each element's details, or replace them [add, replace, default: add, with --element
         /// replace]
         #[arg(long = "mode", value_name = "WORD", action = ArgAction::Set, conflicts_with = "fill")]
         #[arg(value_parser = PossibleValuesParser::new(["add", "replace"]).map(|word| word == "replace"))]
@@ -314,25 +314,26 @@ pub(super) enum Verb {
     /// Sort the painting order within each layer.
     #[command(after_help = "order y --layer primary")]
     Order {
-        /// place from the left or the top, size, lightness, or none [x, y, area, lightness, random]
+        /// sort by position from the left or the top, by size, by lightness, or at random [x, y, area,
+        /// lightness, random]
         #[arg(value_name = "WORD")]
         #[arg(value_parser = choice::<OrderBy>(&["x", "y", "area", "lightness", "random"]))]
         by: OrderBy,
-        /// which is painted first, and lies undermost [least, most, default: least]
+        /// which to paint first, below the others: the least or the most [least, most, default: least]
         #[arg(long = "first", value_name = "WORD", default_value = "least", action = ArgAction::Set)]
         #[arg(value_parser = PossibleValuesParser::new(["least", "most"]).map(|word| word == "most"))]
         reverse: bool,
     },
-    /// Take elements away.
+    /// Remove elements.
     #[command(after_help = "delete --where 'area<30'")]
     Delete,
-    /// Keep the elements whose centre lies inside a shape, or outside.
+    /// Keep the elements whose centre is inside a shape, or outside.
     #[command(after_help = "mask disc.svg --keep outside")]
     Mask {
-        /// an SVG with one path, fitted to the canvas, or a picture, white inside [a file]
+        /// an SVG with one path, fitted to the canvas, or a picture, white is inside [a file]
         #[arg(value_name = "SHAPE", value_parser = file)]
         shape: String,
-        /// which side [inside, outside, default: inside]
+        /// which side to keep [inside, outside, default: inside]
         #[arg(long, value_name = "WORD", default_value = "inside", action = ArgAction::Set)]
         #[arg(value_parser = PossibleValuesParser::new(["inside", "outside"]).map(|side| side == "inside"))]
         keep: bool,

@@ -28,113 +28,111 @@ const MAX_PIXELS: Parameter<u32> = AnalyzeParams::MAX_PIXELS;
 
 /// Section `[analyze]`.
 #[derive(Args, Serialize)]
-#[command(next_help_heading = "Analysis (lengths in pixels of the photograph, as it is analysed)")]
+#[command(next_help_heading = "Analysis (lengths in pixels of the analysed photograph)")]
 pub(crate) struct AnalyzeFlags {
-    /// Segmenter that finds the elements: auto is sam if a model was added, else texton [auto, texton, regions,
-    /// felzenszwalb or sam, default: auto]
+    /// Segmenter that finds the elements; auto is sam if you added a model, else texton [auto, texton,
+    /// regions, felzenszwalb or sam, default: auto]
     #[arg(long, value_name = "NAME", value_enum, hide_possible_values = true, help_heading = "Segmentation")]
     pub(crate) segmenter: Option<SegmenterName>,
-    /// Smallest primary
+    /// Minimum size of a primary
     #[arg(long, visible_alias = "min-area", number = AnalyzeParams::MINIMUM_AREA)]
     pub(crate) minimum_area: Option<u32>,
-    /// Scale of details: larger means fewer
+    /// Scale of details; a larger number gives fewer details
     #[arg(long, number = AnalyzeParams::DETAIL_SCALE)]
     pub(crate) detail_scale: Option<f64>,
-    /// Smoothing before details are sought
+    /// Smoothing before vtex looks for details
     #[arg(long, number = AnalyzeParams::DETAIL_SIGMA)]
     pub(crate) detail_sigma: Option<f64>,
-    /// Smallest detail
+    /// Minimum size of a detail
     #[arg(long, number = AnalyzeParams::DETAIL_MINIMUM)]
     pub(crate) detail_minimum: Option<u32>,
-    /// Colour difference within a secondary, a share
+    /// Maximum colour difference within a secondary; 1 is the full range
     #[arg(long, number = AnalyzeParams::SECONDARY_TOLERANCE, value_name = "SHARE")]
     pub(crate) secondary_tolerance: Option<f64>,
-    /// Smallest secondary
+    /// Minimum size of a secondary
     #[arg(long, number = AnalyzeParams::SECONDARY_MINIMUM)]
     pub(crate) secondary_minimum: Option<u32>,
-    /// Largest secondary
+    /// Maximum size of a secondary
     #[arg(long, number = AnalyzeParams::SECONDARY_MAXIMUM)]
     pub(crate) secondary_maximum: Option<u32>,
-    /// Categories of elements: a number, or as many as the eye tells apart
+    /// Number of categories of elements; auto makes as many as the eye distinguishes
     #[arg(long, value_name = "NUMBER")]
     #[arg(takes = format!("auto or {}, default: auto", AnalyzeParams::CATEGORIES))]
     pub(crate) categories: Option<Categories>,
-    /// How far an element sees, in mean distances between elements
+    /// Reach of descriptors, in mean distances between elements
     #[arg(long, number = AnalyzeParams::DESCRIPTOR_REACH)]
     pub(crate) descriptor_reach: Option<f64>,
-    /// Distance between background colours
+    /// Distance between colour samples of the background
     #[arg(long, number = AnalyzeParams::BACKGROUND_SPACING)]
     pub(crate) background_spacing: Option<f64>,
-    /// Strip around elements that is not background
+    /// Margin around elements left out of the background
     #[arg(long, number = AnalyzeParams::BACKGROUND_MARGIN)]
     pub(crate) background_margin: Option<f64>,
-    /// Distance of smooth outlines from the photograph's; larger also means fewer shapes
+    /// Maximum distance of outlines from those in the photograph; a larger number also gives fewer shapes
     #[arg(long, number = AnalyzeParams::FIDELITY)]
     pub(crate) fidelity: Option<f64>,
-    /// Fill elements with one colour each, with gradients where these tell more, or shade them softly
+    /// Fill elements with one colour each, use gradients where they fit better, or shade elements softly
     /// [flat, gradient or soft, default: soft]
     #[arg(long, value_name = "HOW", hide_possible_values = true)]
     #[arg(value_parser = one_of(&["flat", "gradient", "soft"], named::<Shading>))]
     pub(crate) shading: Option<Shading>,
-    /// Most colours, all flat, the background of a vectorized photograph included; 0: as many as there are
+    /// Maximum number of colours, all flat, including the background in vectorize; 0: no limit
     #[arg(long, alias = "colours", number = AnalyzeParams::COLORS)]
     pub(crate) colors: Option<u32>,
-    /// Most elements and details together; 0: as many as there are
+    /// Maximum number of elements and details together; 0: no limit
     #[arg(long, number = AnalyzeParams::MAX_PATHS)]
     pub(crate) max_paths: Option<u32>,
-    /// Cells along each side of a pixel, on which small shapes are told apart; 0: as fits the photograph
+    /// Cells per side of a pixel, used to separate small shapes; 0: set by the size of the photograph
     #[arg(long, number = AnalyzeParams::CELLS)]
     pub(crate) cells: Option<u32>,
-    /// Reduce a larger photograph first, to so many pixels, or to where its elements are some 20 to 80 px
-    /// across; 1.5M is 1500000. Sizes of results stay in the photograph's own pixels
+    /// Reduce a larger photograph first, to at most this many pixels, or until its elements are about 20 to
+    /// 80 px across; 1.5M is 1500000. Sizes of results remain pixels of the original photograph
     #[arg(long, value_name = "NUMBER", value_parser = pixel_limit)]
     #[arg(takes = format!("{MAX_PIXELS}, or off, default: {}", MAX_PIXELS.default()))]
     pub(crate) max_pixels: Option<u32>,
-    /// Stretch the contrast of a subtle picture before the analysis: auto measures the factor, and results
-    /// have the picture's own colours
+    /// Stretch the contrast of a subtle picture, for the analysis only; auto measures the factor
     #[arg(long, value_name = "FACTOR")]
     #[arg(takes = format!("auto, off, or {}, default: auto", AnalyzeParams::CONTRAST))]
     pub(crate) contrast: Option<Contrast>,
-    /// Take slow changes of light out before the analysis, such as of a plate lit from one side. auto: where
-    /// they are seen, but not in a picture that wraps and not for vectorize [auto, on or off; alone: on; default: auto]
-    #[arg(long, value_name = "WHETHER", num_args = 0..=1, require_equals = true, default_missing_value = "on")]
-    #[arg(hide_possible_values = true)]
+    /// Remove slow changes of light before the analysis, such as on a plate lit from one side. auto: if vtex
+    /// detects them, but not if the picture tiles, and not in vectorize [auto, on or off; default: auto]
+    #[arg(long, value_name = "WHETHER", hide_possible_values = true)]
     #[arg(value_parser = one_of(&["auto", "on", "off"], named::<EvenLight>))]
     pub(crate) even_light: Option<EvenLight>,
-    /// The exemplar tiles: opposite borders join, and what they cut is one element. auto: where they are
-    /// seen to, but for vectorize [auto, on or off; alone: on; default: auto]
+    /// Treat the exemplar as a tile: opposite borders join, and so do elements that they cut. auto: if the
+    /// borders join, but not in vectorize [auto, on or off; alone: on; default: auto]
     #[arg(long, value_name = "WHETHER", num_args = 0..=1, require_equals = true, default_missing_value = "on")]
     #[arg(hide_possible_values = true)]
     #[arg(value_parser = one_of(&Wrap::NAMES, str::parse::<Wrap>))]
     pub(crate) wrap: Option<Wrap>,
-    /// What a picture shows: a photograph, or lines on paper, each of which becomes a stroke along its middle
+    /// What the picture shows: a photograph, or lines on paper. Each line becomes a stroke along its middle
     /// [photo or curves, default: photo]
     #[arg(long, value_name = "KIND", hide_possible_values = true, help_heading = "Drawings")]
     #[arg(value_parser = one_of(&["photo", "curves"], named::<PictureKind>))]
     pub(crate) kind: Option<PictureKind>,
-    /// Which shapes of a drawing are one element: small groups, and pieces that belong together by
-    /// their places; each group; each path; each connected piece [auto, group, path or piece, default:
-    /// auto]
+    /// Which shapes of a drawing are one element: each group, each path, or each connected piece of a path.
+    /// auto: small groups, and shapes that belong together by their positions [auto, group, path or piece,
+    /// default: auto]
     #[arg(long, value_name = "HOW", hide_possible_values = true, help_heading = "Drawings")]
     #[arg(value_parser = one_of(&["auto", "group", "path", "piece"], named::<Grouping>))]
     pub(crate) elements: Option<Grouping>,
-    /// Which elements of a drawing are a motif, which textures keep together: those whose relative places
-    /// recur, or that are much nearer to each other than to all others; those that touch; none [auto, contact
-    /// or none, default: auto]
+    /// Which elements of a drawing are a motif, which textures keep together. auto: those whose relative
+    /// positions recur, or that are much nearer to each other than to all others; contact: those that touch;
+    /// none: no motifs [auto, contact or none, default: auto]
     #[arg(long, value_name = "HOW", hide_possible_values = true, help_heading = "Drawings")]
     #[arg(value_parser = one_of(&["auto", "contact", "none"], named::<MotifGrouping>))]
     pub(crate) group: Option<MotifGrouping>,
-    /// Leave out what cannot be read of a drawing: raster images, filters, masks, pattern fills
+    /// Leave out parts of a drawing that vtex cannot read: raster images, filters, masks, pattern fills
     /// [default: false]
     #[arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
     #[arg(hide_possible_values = true, help_heading = "Drawings")]
     pub(crate) lenient: Option<bool>,
-    /// Nested layers, such as rust on paint: found if the photograph has them, none, or a number
+    /// Number of nested layers, such as rust on paint; auto finds them, off finds none
     #[arg(long, value_name = "COUNT", value_parser = layer_count, help_heading = "Layers of the photograph")]
     #[arg(takes = format!("auto, off, or {}, default: auto", AnalyzeParams::LAYERS))]
     pub(crate) layers: Option<u32>,
-    /// Their order: the layers found, counted from 0 at the bottom, from the new bottom to the new top;
-    /// none: that in which layers that are not next to each other touch least [default: none]
+    /// New order of the layers, from bottom to top. The layers found are numbered from 0 at the bottom. none:
+    /// the order in which layers that are not neighbours touch least [default: none]
     #[arg(long, value_name = "LAYER,...", value_delimiter = ',', help_heading = "Layers of the photograph")]
     #[arg(value_parser = layer::<u32>)]
     pub(crate) layer_order: Option<Vec<u32>>,

@@ -16,23 +16,22 @@ const ALONE: [&str; 6] = ["domain", "mask", "density", "control", "guide", "map"
 
 /// Files of a context.
 #[derive(Args)]
-#[command(next_help_heading = "Filling in")]
+#[command(next_help_heading = "Fill a region of a drawing")]
 pub(crate) struct ContextArgs {
-    /// A drawing, SVG, that stays as it is: what is made in the region fits to its lines or elements
+    /// Keep this SVG drawing as it is, and fill the region with lines or elements that fit it
     ///
-    /// Its units are those of the library's drawing. The canvas is its page, unless --size is given
+    /// Its units must be those of the library's drawing. The canvas is its page, unless you give --size
     #[arg(long, value_name = "FILE", requires = "region", conflicts_with_all = ALONE)]
     pub(crate) context: Option<PathBuf>,
-    /// The region beside it that is filled: all filled shapes of an SVG together, fitted to the canvas as a
-    /// whole
+    /// Region to fill: all filled shapes of an SVG together; vtex fits its page to the canvas
     #[arg(long, value_name = "FILE", requires = "context")]
     pub(crate) region: Option<PathBuf>,
-    /// Make the region anew: strokes of the drawing are cut at its border, and elements whose middle lies in it are left
-    /// out
+    /// Empty the region first: cut strokes at its border, and remove elements whose middle is in it
     #[arg(long, requires = "context")]
     pub(crate) anew: bool,
-    /// The part of the library's drawing that is copied to the region and fitted to what is around it: all
-    /// filled shapes of an SVG together, fitted to the library's page. Their middle comes to the region's
+    /// Copy this part of the library's drawing to the region, and fit it to its surroundings. The part is all
+    /// filled shapes of an SVG, whose page is fitted to the library's. Its middle moves to the middle of the
+    /// region
     #[arg(long, value_name = "FILE", requires = "context")]
     pub(crate) source: Option<PathBuf>,
 }

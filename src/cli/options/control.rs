@@ -11,19 +11,19 @@ use vtex::synth::Controls;
 #[derive(Args)]
 #[command(next_help_heading = "Control (pictures are stretched over the canvas)")]
 pub(crate) struct ControlArgs {
-    /// Fill a shape: all filled shapes of an SVG together, fitted to the canvas as a whole
+    /// Fill a shape: all filled shapes of an SVG together; vtex fits its page into the canvas
     #[arg(long, value_name = "FILE", conflicts_with = "mask")]
     pub(crate) domain: Option<PathBuf>,
-    /// Fill what is white in a picture, or opaque where it is partly transparent
+    /// Fill the white pixels of a picture, or the opaque ones if it has transparency
     #[arg(long = "domain-mask", value_name = "FILE")]
     pub(crate) mask: Option<PathBuf>,
-    /// Density relative to the photograph's: a grey picture, black 0, middle grey 1, white 2
+    /// Set the density relative to the photograph, by a grey picture: black 0, middle grey 1, white 2
     #[arg(long, value_name = "FILE")]
     pub(crate) density: Option<PathBuf>,
-    /// Layers as in a map, in the colours of the library's layers (see 'vtex layers')
+    /// Place layers as in a map, which has the colours of the library's layers (see 'vtex layers')
     #[arg(long, value_name = "FILE")]
     pub(crate) control: Option<PathBuf>,
-    /// Light and dark as in another picture
+    /// Make the texture light and dark where another picture is
     #[arg(long, value_name = "FILE", conflicts_with = "control")]
     pub(crate) guide: Option<PathBuf>,
 }

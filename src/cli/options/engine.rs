@@ -8,8 +8,8 @@ use vtex::engine::{EngineOptions, Runtime};
 #[derive(Args, Clone)]
 #[command(next_help_heading = "Networks")]
 pub(crate) struct EngineArgs {
-    /// Engine for networks of Segment Anything: ONNX Runtime where it is found, or rten, which is part of
-    /// vtex [auto, onnxruntime or rten, default: auto]
+    /// Engine for the networks of Segment Anything; auto is ONNX Runtime if vtex finds it, else rten, which
+    /// is part of vtex [auto, onnxruntime or rten, default: auto]
     #[arg(long, value_name = "NAME", value_enum, hide_possible_values = true)]
     pub(crate) engine: Option<EngineName>,
     /// ONNX Runtime's shared library [default: $VTEX_ONNXRUNTIME or $ORT_DYLIB_PATH, else the first

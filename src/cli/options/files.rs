@@ -13,8 +13,9 @@ use vtex::output::file::{FileKind, Format};
 #[derive(Args)]
 #[command(next_help_heading = "Output")]
 pub(crate) struct ForceArgs {
-    /// Replace existing files even if vtex did not write them, without asking. On a terminal, texture and synth
-    /// ask before they replace a picture of another seed or exemplar; in scripts they replace it and tell its seed
+    /// Replace existing files without asking, even if vtex did not write them. Without it, on a terminal,
+    /// texture and synth ask before they replace a picture of another seed or exemplar. In scripts they
+    /// replace it and print its seed
     #[arg(short, long)]
     pub(crate) force: bool,
 }

@@ -17,28 +17,28 @@ pub(crate) struct Global {
     #[arg(long, global = true, value_name = "NUMBER", help_heading = None::<&'static str>)]
     #[arg(takes = format!("0 to {}, default: one chosen, printed and stored", u64::MAX))]
     pub(crate) seed: Option<Seed>,
-    /// Threads, of all but ONNX Runtime; results do not depend on it
+    /// Number of threads, except in ONNX Runtime; the result does not depend on it
     #[arg(short, long, global = true, number_or(THREADS, "$VTEX_THREADS, else all cores"))]
     pub(crate) threads: Option<u16>,
-    /// Print nothing but errors
+    /// Print only errors
     #[arg(short, long, global = true, conflicts_with = "verbose")]
     pub(crate) quiet: bool,
-    /// Say more: -v seconds by stage, -vv also all parameters
+    /// Print more: -v seconds per stage, -vv also all parameters
     #[arg(short, long, global = true, action = clap::ArgAction::Count)]
     pub(crate) verbose: u8,
-    /// Print a summary in JSON on stdout (on stderr if stdout carries data)
+    /// Print a JSON summary to stdout (to stderr if stdout contains data)
     #[arg(long, global = true)]
     pub(crate) json: bool,
     /// When to use colours; see also NO_COLOR [auto, always or never, default: auto]
     #[arg(long, global = true, value_name = "WHEN", value_enum, hide_possible_values = true)]
     pub(crate) color: Option<When>,
-    /// Read parameters from a TOML file; options given here win over it
+    /// Read parameters from a TOML file; options on the command line override it
     #[arg(long, global = true, value_name = "FILE")]
     pub(crate) config: Option<PathBuf>,
-    /// Print all parameters as a file for --config and do nothing else
+    /// Print all parameters as a file for --config, and stop
     #[arg(long, global = true)]
     pub(crate) dump_config: bool,
-    /// Write a numbered PNG of every stage into a folder, made if need be
+    /// Write a numbered PNG of every stage to a folder; vtex creates it if needed
     #[arg(long, global = true, value_name = "DIR")]
     pub(crate) debug_dir: Option<PathBuf>,
 }

@@ -10,11 +10,11 @@ use std::path::{Path, PathBuf};
 #[derive(Args, Default)]
 #[command(next_help_heading = "Layers of the photograph")]
 pub(crate) struct LayerFilesArgs {
-    /// A painted map of the photograph's size in place of the layers found: a picture in 2 to 6 flat
-    /// colours
+    /// Use a painted map in place of the layers found: a picture in 2 to 6 flat colours, as large as the
+    /// photograph
     #[arg(long, value_name = "FILE", conflicts_with = "layers")]
     pub(crate) layer_map: Option<PathBuf>,
-    /// Also write the layers of the photograph as a map of its size: .png, .svg or .json
+    /// Also write the layers of the photograph as a map of the same size: .png, .svg or .json
     #[arg(long, value_name = "FILE")]
     pub(crate) save_layers: Option<PathBuf>,
 }

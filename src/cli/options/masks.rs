@@ -11,11 +11,11 @@ use std::path::PathBuf;
 #[derive(Args)]
 #[command(next_help_heading = "Segmentation")]
 pub(crate) struct MasksArgs {
-    /// Use the masks of a file: a label PNG (8 or 16 bits, 0 is background) or vtex's own JSON, and the categories
-    /// that this names
+    /// Use masks from a file: a label PNG (8 or 16 bits, 0 is background), or vtex's own JSON with its
+    /// categories
     #[arg(long, value_name = "FILE", conflicts_with = "segmenter")]
     pub(crate) masks: Option<PathBuf>,
-    /// Save the masks found: .masks.json, .masks.json.gz (exact) or .png (labels)
+    /// Save the masks that vtex found: .masks.json, .masks.json.gz (exact) or .png (labels)
     #[arg(long, value_name = "FILE")]
     pub(crate) save_masks: Option<PathBuf>,
     #[command(flatten)]
@@ -31,10 +31,10 @@ pub(crate) struct SamArgs {
     /// Name of a model for --segmenter sam [default: the one there is; see 'vtex models']
     #[arg(long, value_name = "NAME")]
     pub(crate) model: Option<Name>,
-    /// ONNX file of an image encoder for --segmenter sam, or one that decodes too
+    /// ONNX file of the image encoder for --segmenter sam, or of encoder and decoder in one
     #[arg(long, value_name = "FILE", conflicts_with = "model")]
     pub(crate) encoder: Option<PathBuf>,
-    /// ONNX file of the prompt decoder that goes with it
+    /// ONNX file of the prompt decoder that belongs to the encoder
     #[arg(long, value_name = "FILE", requires = "encoder")]
     pub(crate) decoder: Option<PathBuf>,
 }

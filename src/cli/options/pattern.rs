@@ -11,8 +11,8 @@ use std::path::PathBuf;
 #[derive(Args)]
 #[command(next_help_heading = "Output")]
 pub(crate) struct PatternArgs {
-    /// Also write an SVG of any size, filled with the texture as a <pattern>: .svg or .svgz; the
-    /// texture must repeat along both axes (--tile)
+    /// Also write an SVG of any size, filled with the texture as a <pattern>: .svg or .svgz. The texture must
+    /// repeat along both axes (--tile)
     #[arg(long, value_name = "FILE")]
     pub(crate) pattern: Option<PathBuf>,
 }

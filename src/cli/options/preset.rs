@@ -22,9 +22,11 @@ const PRESETS: [(&str, &str); 4] = [
 /// A preset by its name.
 #[derive(Args)]
 pub(crate) struct PresetArgs {
-    /// Values to begin with, over which other options win [draft, default, fine or poster, default: default]
+    /// Start from the values of a preset; other options override them [draft, default, fine or poster,
+    /// default: default]
     ///
-    /// draft, soon done: --max-pixels 150000 --segmenter regions --cells 1 --fidelity 1 --shading flat --moves 1 --candidates 8;
+    /// draft, for a quick look: --max-pixels 150000 --segmenter regions --cells 1 --fidelity 1 --shading flat
+    /// --moves 1 --candidates 8;
     /// fine: --fidelity 0.25 --detail-scale 5 --moves 10 --candidates 40 --precision 2;
     /// poster: --fidelity 1 --shading flat --colors 12 --max-paths 2000
     #[arg(long, value_name = "NAME", value_parser = preset(), hide_possible_values = true)]

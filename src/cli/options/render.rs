@@ -14,18 +14,18 @@ use vtex::raster::css;
 #[derive(Args, Serialize)]
 #[command(next_help_heading = "Output")]
 pub(crate) struct RenderFlags {
-    /// Pixels of a PNG for each pixel of the canvas, or of a page in pixels
+    /// PNG pixels per pixel of the canvas, or of a page with a size in pixels
     #[arg(long, number = RenderParameters::SCALE)]
     pub(crate) scale: Option<f64>,
     /// Pixels of the canvas per inch of its page
     ///
-    /// auto: a size in pixels states none; a size in lengths has as many pixels as the default canvas, so that elements
-    /// are as large in relation to the page as they are there. More pixels make more, and smaller, elements; --scale makes
-    /// a finer PNG of the same elements
+    /// auto: a size in pixels sets no resolution. A size in lengths gets as many pixels as the default
+    /// canvas, so elements have the same size relative to the page. More pixels give more and smaller
+    /// elements; --scale makes a finer PNG of the same elements
     #[arg(long, value_name = "NUMBER", takes = format!("{DPI}, or auto, default: auto"))]
     pub(crate) dpi: Option<Resolution>,
-    /// Background of one colour in place of the exemplar's, or none, so that what is between the elements is
-    /// transparent [#rrggbb, #rgb, a name of CSS or none, default: the exemplar's]
+    /// Use one colour as the background, or none to leave it transparent [#rrggbb, #rgb, a name of CSS or
+    /// none, default: the exemplar's]
     #[arg(long, value_name = "COLOUR")]
     pub(crate) background: Option<BackgroundChoice>,
 }

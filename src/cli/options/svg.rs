@@ -14,16 +14,16 @@ pub(crate) struct SvgFlags {
     /// Decimals of numbers in an SVG
     #[arg(long, number = SvgOptions::PRECISION)]
     pub(crate) precision: Option<u8>,
-    /// Write elements in full, not as <symbol> and <use> [default: false]
+    /// Write each element in full, without <symbol> and <use> [default: false]
     #[arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
     #[arg(hide_possible_values = true)]
     pub(crate) expand: Option<bool>,
-    /// Write CSS rules into an SVG, by which categories are recoloured [default: false]
+    /// Write CSS rules into the SVG, to recolour categories [default: false]
     #[arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
     #[arg(hide_possible_values = true)]
     pub(crate) css: Option<bool>,
-    /// Maximum file size of an SVG or PDF, as 5MB, 800kB or a number: drops decimals and names, then outline
-    /// detail, then what is seen least
+    /// Maximum file size of an SVG or PDF, such as 5MB, 800kB or a number of bytes: drops decimals and names,
+    /// then outline detail, then the least visible shapes
     #[arg(long, value_name = "SIZE", takes = format!("{}, default: no limit", Bytes::RANGE))]
     pub(crate) max_bytes: Option<Bytes>,
 }

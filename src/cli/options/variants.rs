@@ -12,7 +12,7 @@ use vtex::output::file::Format;
 #[derive(Args, Clone, Copy, Debug)]
 #[command(next_help_heading = "Output")]
 pub(crate) struct VariantsArgs {
-    /// Make several textures, of the seed and of those that follow it; files are numbered by seed, as
+    /// Make several textures, with this seed and the seeds after it; each file name gets its seed, such as
     /// out-7.svg
     #[arg(long, number = Parameter::<u32>::new("variants", [1, 1000], "").or(1))]
     pub(crate) variants: Option<u32>,

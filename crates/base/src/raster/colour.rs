@@ -52,6 +52,11 @@ impl Colour {
         Self(linear.map(encoded))
     }
 
+    /// Distance of two colours in Oklab: 1 from black to white.
+    pub fn distance(self, other: Self) -> f32 {
+        libm::sqrtf(squared_distance(self.to_oklab(), other.to_oklab()))
+    }
+
     /// Linear interpolation in Oklab from this colour (`share` 0) to another (`share` 1).
     pub fn mixed(self, other: Self, share: f64) -> Self {
         let (a, b, share) = (self.to_oklab(), other.to_oklab(), share as f32);

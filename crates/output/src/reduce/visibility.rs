@@ -7,7 +7,7 @@
 //! two thirds of one of stones.
 
 use vtex_base::geometry::{Outline, PathText, Rect, write_path};
-use vtex_base::raster::colour::{Colour, squared_distance};
+use vtex_base::raster::colour::Colour;
 use vtex_scene::scene::field::Interpolant;
 use vtex_scene::scene::{Element, Scene, Shape};
 
@@ -67,7 +67,8 @@ impl Ranks {
         let mut all: Vec<(f64, ShapePlace)> = Vec::new();
         for (t, element) in scene.elements.iter().enumerate() {
             for (d, detail) in element.details().iter().enumerate() {
-                let seen = sizes[t] * seen_area(detail) * distance(detail.colour, beneath(element, d));
+                let seen =
+                    sizes[t] * seen_area(detail) * f64::from(detail.colour.distance(beneath(element, d)));
                 all.push((seen / shape_bytes(detail), ShapePlace::Detail(t, d)));
             }
         }
@@ -92,10 +93,14 @@ impl Ranks {
                 let at = affine * element.outline().bounds().center();
                 let beneath =
                     field.as_ref().map_or(Colour::default(), |f| Colour::from_f64(f.at(at.x, at.y)));
-                let contrast = distance(instance.colour.unwrap_or(element.base().colour), beneath);
+                let colour = instance.colour.unwrap_or(element.base().colour);
+                let contrast = f64::from(colour.distance(beneath));
                 let area = seen_area(element.base()) * affine.determinant().abs();
-                let own: f64 =
-                    element.details().iter().map(|p| seen_area(p) * distance(p.colour, beneath)).sum();
+                let own: f64 = element
+                    .details()
+                    .iter()
+                    .map(|p| seen_area(p) * f64::from(p.colour.distance(beneath)))
+                    .sum();
                 let bytes = group + own_bytes[instance.element.index()];
                 let seen = factor * (area * contrast.max(least) + own);
                 all.push((seen / bytes, ShapePlace::Instance(k, i)));
@@ -180,11 +185,6 @@ fn shape_bytes(shape: &Shape) -> f64 {
 fn bytes(outline: &Outline) -> f64 {
     const AROUND: usize = 30;
     (write_path(outline.path(), PathText { precision: 1 }).len() + AROUND) as f64
-}
-
-/// Oklab distance: 1 from black to white.
-fn distance(a: Colour, b: Colour) -> f64 {
-    libm::sqrt(f64::from(squared_distance(a.to_oklab(), b.to_oklab())))
 }
 
 #[cfg(test)]

@@ -58,7 +58,7 @@ pub struct AnalyzeParams {
     /// also allows more colour error per byte.
     #[cfg_attr(feature = "schema", schemars(transform = Self::FIDELITY.limits()))]
     pub fidelity: f64,
-    /// Fills of details and primaries. Default gradients.
+    /// Fills of details and primaries. Default soft.
     pub shading: Shading,
     /// Largest number of colours of primaries, details and secondaries, which then have flat fills. 0
     /// for no limit.

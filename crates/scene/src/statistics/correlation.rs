@@ -8,12 +8,13 @@
 //! over all directions; along axes that wrap there is no loss. Because pairs and expectations are kept,
 //! curves of several scenes add up.
 
-use super::{Layout, wrapped};
+use super::Layout;
 use crate::element::CategoryId;
 use crate::library::Library;
 use crate::scene::LibraryId;
 use serde::Serialize;
 use std::f64::consts::PI;
+use vtex_base::geometry::wrapped;
 
 /// Bins of a curve.
 const BINS: usize = 16;

@@ -120,15 +120,6 @@ pub fn neighbour_distance(library: &Library) -> f64 {
     pixels.max(1.0) / library.pixels_per_unit()
 }
 
-/// A coordinate wrapped into `0..period`, if there is a period.
-fn wrapped(v: f64, period: Option<f64>) -> f64 {
-    match period {
-        // The remainder of a tiny negative number is rounded to the period.
-        Some(p) => Some(v - p * libm::floor(v / p)).filter(|r| *r < p).unwrap_or(0.0),
-        None => v,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -144,13 +135,5 @@ mod tests {
         library.arrangement.periodic = true;
         let layout = Layout::of_library(&library);
         assert_eq!((layout.size, layout.centres.len()), ([200.0; 2], library.primaries().len()));
-    }
-
-    #[test]
-    fn wrapped_coordinates_are_within_the_period() {
-        for (v, found) in [(0.0, 0.0), (10.0, 0.0), (-0.5, 9.5), (25.0, 5.0), (-1e-300, 0.0)] {
-            assert_eq!(wrapped(v, Some(10.0)), found, "{v}");
-            assert_eq!(wrapped(v, None), v);
-        }
     }
 }

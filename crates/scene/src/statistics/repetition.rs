@@ -1,11 +1,12 @@
 //! Repetition of the same textons, and the distances of their copies.
 
-use super::{Layout, neighbour_distance, wrapped};
+use super::{Layout, neighbour_distance};
 use crate::element::ElementId;
 use crate::library::Library;
 use crate::scene::LibraryId;
 use crate::scene::Scene;
 use serde::Serialize;
+use vtex_base::geometry::wrapped;
 
 /// Copies nearer than this, in mean neighbour distances, are noticeable.
 const NEAR: f64 = 2.0;

@@ -26,7 +26,7 @@ pub(super) const FRAMES_OF_WAY: u32 = 30;
 /// Share of the way.
 const AT: Parameter<f64> = Parameter::new("at", [0.0, 1.0], "");
 
-/// A scene in motion: carried by a flow, or turned into another
+/// Animate a scene with a flow, or turn it into another scene
 #[derive(Args)]
 #[command(
     override_usage = "vtex animate [OPTIONS] <SCENE> --output <FILE>\n       vtex animate [OPTIONS] <SCENE> <TO> --output <FILE>",
@@ -39,60 +39,61 @@ Examples:
   vtex animate a.scene.json b.scene.json -o half.svg --at 0.5
   vtex animate a.scene.json b.scene.json -o island.svg --morph radial
 
-In a flow elements come in at the borders as others leave. Best are scenes
-that repeat ('vtex synth --tile'). Two scenes must be of one size. An animated
-SVG moves in browsers and shows the scene at rest, or the first, elsewhere."
+In a flow, elements that leave at one border enter at the opposite one. So use
+scenes that repeat ('vtex synth --tile'). Two scenes must have the same size.
+An animated SVG plays in browsers. Elsewhere it shows the scene at rest, or the
+first scene."
 )]
 pub(crate) struct AnimateArgs {
     /// The scene, plain or gzip; - reads stdin
     #[arg(value_name = "SCENE", required = true)]
     pub(crate) scene: Option<PathBuf>,
-    /// The scene that it turns into, plain or gzip; - reads stdin
+    /// The scene to turn into, plain or gzip; - reads stdin
     #[arg(value_name = "TO", conflicts_with_all = ["flow", "rounds", "strength"])]
     pub(crate) to: Option<PathBuf>,
-    /// The upper and the lower third of the canvas sheared, all turned about the middle, gusts of wind,
-    /// or along directions: a grey picture, black right, dark grey down, middle grey left, light grey up
+    /// Motion: shear (upper third to the left, lower third to the right), vortex (all about the middle), wind
+    /// (gusts), or a grey picture of directions: black right, dark grey down, middle grey left, light grey up
     /// [shear, vortex, wind or a file, default: wind]
     #[arg(long, value_name = "FLOW", value_parser = OsStringValueParser::new().map(flow))]
     pub(crate) flow: Option<FlowFrom>,
-    /// Pictures in a loop, or from one scene to the other, both included
+    /// Number of frames in a loop, or from one scene to the other, including both
     #[arg(long, number_or(FRAMES, format_args!("{FRAMES_OF_LOOP}; of two scenes {FRAMES_OF_WAY}")))]
     pub(crate) frames: Option<u32>,
-    /// Pictures in a second
+    /// Frames per second
     #[arg(long, number = RasterAnimation::RATE, default_value_t = RasterAnimation::RATE.default())]
     #[arg(hide_short_help = true)]
     pub(crate) fps: f64,
-    /// Rounds, or gusts, in a loop
+    /// Number of rounds, or of gusts, in a loop
     #[arg(long, number = FlowParams::ROUNDS, default_value_t = FlowParams::ROUNDS.default())]
     #[arg(hide_short_help = true)]
     pub(crate) rounds: u32,
-    /// Factor of how far wind and directions carry elements
+    /// Factor for the distance that wind and directions move elements
     #[arg(long, number = FlowParams::STRENGTH, default_value_t = FlowParams::STRENGTH.default())]
     #[arg(hide_short_help = true)]
     pub(crate) strength: f64,
-    /// Play there and back, so that the animation of two scenes has no jump
+    /// Play forwards and backwards, so that the animation of two scenes has no jump
     #[arg(long, requires = "to")]
     pub(crate) back: bool,
-    /// One scene only, so far along the way from one to the other
+    /// Write one scene, at this point between the two; 0.5 is half-way
     #[arg(long, number = AT, value_name = "SHARE")]
     #[arg(requires = "to", conflicts_with_all = ["across", "morph", "frames", "fps", "back", "format"])]
     pub(crate) at: Option<f64>,
-    /// One scene only, that turns into the other from left to right or from top to bottom [x or y]
+    /// Write one scene that turns into the other from left to right or from top to bottom [x or y]
     #[arg(long, value_name = "AXIS", value_parser = one_of(&["x", "y"], named::<Axis>), hide_possible_values = true)]
     #[arg(requires = "to", conflicts_with_all = ["frames", "fps", "back", "format"], hide_short_help = true)]
     pub(crate) across: Option<Axis>,
-    /// One scene only, that turns into the other over the canvas: as with --across, or from the middle to
-    /// the sides, or by a grey picture, black the first and white the second [x, y, radial or a file]
+    /// Write one scene that turns into the other: along an axis as with --across, from the middle to the
+    /// sides, or by a grey picture (black: first scene, white: second) [x, y, radial or a file]
     #[arg(long, value_name = "WHERE", value_parser = OsStringValueParser::new().map(where_it_turns))]
     #[arg(requires = "to", conflicts_with_all = ["across", "frames", "fps", "back", "format"])]
     pub(crate) morph: Option<MorphFrom>,
     /// Result: an animation .svg, .svgz, .gif, .png or .apng, or a folder for frames
     ///
-    /// With --at, --across or --morph it is one scene, .svg, .svgz, .pdf, .png, .scene.json or .scene.json.gz
-    /// [default: ./SCENE.between.svg]; several -o write several files
+    /// With --at, --across or --morph, the result is one scene: .svg, .svgz, .pdf, .png, .scene.json or
+    /// .scene.json.gz [default: ./SCENE.between.svg]. Several -o write several files
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Vec<PathBuf>,
-    /// Frames in a folder are [svg or png, default: svg]
+    /// Format of frames in a folder [svg or png, default: svg]
     #[arg(long, value_name = "FORMAT", hide_possible_values = true, value_parser = formats(), hide_short_help = true)]
     pub(crate) format: Option<FrameFormat>,
     #[command(flatten)]

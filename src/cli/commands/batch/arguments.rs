@@ -15,7 +15,7 @@ use crate::cli::values::one_of;
 use clap::Args;
 use std::path::PathBuf;
 
-/// Textures of many photographs or libraries
+/// Make textures of many photographs or libraries
 #[derive(Args)]
 #[command(
     override_usage = "vtex batch [OPTIONS] --out-dir <DIR> <INPUT>...",
@@ -26,22 +26,25 @@ Examples:
   vtex batch a.jpg b.lib.json --out-dir textures --format svgz,scene.json.gz
   vtex batch jobs.toml --out-dir textures --shard 2/8 --json
 
-A job that fails does not stop the others; the exit code is then 1. Run again, jobs that were done
-from the same input and parameters are skipped: DIR/batch.jsonl records them. A job during which the
-program was killed twice is left out; --force=NAME tries it again. A file of jobs has the keys of
---config at its top, for all jobs, then a [[job]] for each, with input (beside the file), output (a
-name without extension), format, and keys for this job alone, as in [job.synth]."
+If a job fails, the others continue, and the exit code is 1. DIR/batch.jsonl
+records all jobs. Run the command again, and it skips jobs that were done with
+the same input and parameters. A job during which the program was killed twice
+is skipped; --force=NAME tries it again.
+
+A file of jobs starts with the keys of --config, for all jobs. Then each [[job]]
+has input (beside the file), output (a name without extension), format, and keys
+for this job only, as in [job.synth]."
 )]
 pub(crate) struct BatchArgs {
-    /// Photographs, drawings, libraries, folders (all pictures in them, and SVGs that vtex did not write, by
-    /// name), or one .toml file of jobs
+    /// Photographs, drawings, libraries, folders, or one .toml file of jobs. Of a folder: all pictures, and
+    /// SVGs that vtex did not write, by name
     #[arg(value_name = "INPUT", required = true)]
     pub(crate) input: Vec<PathBuf>,
-    /// Folder for results, named after their inputs, made if need be
+    /// Folder for the results, which are named after their inputs; vtex creates it if needed
     #[arg(short = 'o', long, value_name = "DIR", required = true)]
     pub(crate) out_dir: Option<PathBuf>,
-    /// Formats written for each: svg, svgz, pdf, png, scene.json, scene.json.gz, lib.json,
-    /// lib.json.gz [default: svg]
+    /// Formats to write for each job: svg, svgz, pdf, png, scene.json, scene.json.gz, lib.json, lib.json.gz
+    /// [default: svg]
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     #[arg(value_parser = one_of(&Extension::ALL, str::parse::<Extension>), hide_possible_values = true)]
     pub(crate) format: Option<Vec<Extension>>,
@@ -50,8 +53,8 @@ pub(crate) struct BatchArgs {
     #[arg(short, long, value_name = "NAME,...", help_heading = "Output")]
     #[arg(num_args = 0..=1, require_equals = true, default_missing_value = Forced::ALL)]
     pub(crate) force: Option<Forced>,
-    /// Do only the I-th of N parts of the jobs, for many machines: every N-th from the I-th
-    /// [1/1 to 10000/10000, default: 1/1]
+    /// Do only part I of N, to share the jobs between machines: every N-th job from the I-th [1/1 to
+    /// 10000/10000, default: 1/1]
     #[arg(long, value_name = "I/N", allow_hyphen_values = true)]
     pub(crate) shard: Option<Shard>,
     #[command(flatten)]

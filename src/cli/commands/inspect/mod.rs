@@ -11,7 +11,7 @@ use clap::Args;
 use page::PageOptions;
 use std::path::PathBuf;
 
-/// Say what a library or a scene holds, or write a page to look at
+/// Print what a library or a scene contains, or write a page about it
 #[derive(Args)]
 #[command(
     override_usage = "vtex inspect [OPTIONS] <FILE>...",
@@ -22,18 +22,18 @@ Examples:
   vtex inspect photo.lib.json out.scene.json -o page.html --exemplar photo.jpg"
 )]
 pub(crate) struct InspectArgs {
-    /// A library, a scene, or an SVG of vtex, plain or gzip; - reads stdin. For a page also a scene and the libraries
-    /// that it was made from
+    /// A library, a scene, or an SVG from vtex, plain or gzip; - reads stdin. For a page also a scene and the
+    /// libraries that it was made from
     #[arg(value_name = "FILE", required = true)]
     pub(crate) file: Vec<PathBuf>,
-    /// Write a page for a browser, .html: pictures with layers and a slider, categories,
-    /// distributions; - writes it to stdout [default: none, what the file holds is printed]
+    /// Write a page for a browser, .html: pictures with layers and a slider, categories, distributions; -
+    /// writes it to stdout [default: none, what the file holds is printed]
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) force: ForceArgs,
-    /// The photograph, shown on the page if its SHA-256 is that of the exemplar; may be given several
-    /// times [default: the file of that name beside the library]
+    /// Photograph to show on the page, if its SHA-256 is that of the exemplar; you can give several [default:
+    /// the file of that name beside the library]
     #[arg(long, value_name = "PHOTO", requires = "output", help_heading = "Output")]
     pub(crate) exemplar: Vec<PathBuf>,
 }

@@ -17,7 +17,7 @@ use vtex::Parameter;
 use vtex::analyze::Exemplar;
 use vtex::layers::{Count, FindParams, MOST_LAYERS};
 
-/// Nested layers of a photograph, found and made anew
+/// Find the nested layers of a photograph, and make a new map of them
 #[derive(Args)]
 #[command(
     override_usage = "vtex layers [OPTIONS] <INPUT>\n       vtex layers [OPTIONS] --heights <FILE>",
@@ -31,8 +31,9 @@ Examples:
   vtex layers rust.jpg -o map.png --keep old.png --hole hole.png
   vtex layers --heights terrain16.png -o new.png --size 2000
 
-Layers lie one on the other: the region of a layer holds all layers above it. A layer map is a
-picture with one flat colour for each layer; the PNG of vtex lists them in its palette, bottom first."
+The region of a layer contains all layers above it. A layer map is a picture
+with one flat colour for each layer. A PNG from vtex lists these colours in its
+palette, the bottom layer first."
 )]
 pub(crate) struct LayersArgs {
     /// A photograph, its library, or a layer map: a picture in 2 to 6 flat colours; - reads stdin
@@ -41,11 +42,11 @@ pub(crate) struct LayersArgs {
     /// The new map: .png, .svg or .json; - writes PNG to stdout [default: ./INPUT.layers.png]
     #[arg(short, long, value_name = "FILE")]
     pub(super) output: Option<PathBuf>,
-    /// Also write the layers of the photograph as a map of its size: .png, .svg or .json
+    /// Also write the layers of the photograph as a map of the same size: .png, .svg or .json
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub(super) save_layers: Option<PathBuf>,
-    /// Write 16-bit grey values that rise within each layer, from its border with the layer below to
-    /// that with the layer above; .png only
+    /// Write 16-bit grey values that rise within each layer, from the border of the layer below to the border
+    /// of the layer above; .png only
     #[arg(long, help_heading = "Output")]
     pub(super) continuous: bool,
     #[command(flatten)]
@@ -54,45 +55,46 @@ pub(crate) struct LayersArgs {
     #[arg(long, value_name = "COUNT", value_parser = count, help_heading = "Layers of the photograph")]
     #[arg(takes = format!("auto, or {LAYERS}, default: auto"))]
     pub(super) layers: Option<Count>,
-    /// Their order: the layers found, counted from 0 at the bottom, from the new bottom to the new top
+    /// New order of the layers, from bottom to top. The layers found are numbered from 0 at the bottom
     /// [default: the one in which layers that are not next to each other touch least]
     #[arg(long, value_name = "LAYER,...", value_delimiter = ',', help_heading = "Layers of the photograph")]
     #[arg(value_parser = layer::<usize>)]
     pub(super) layer_order: Option<Vec<usize>>,
-    /// A painted map of the photograph's size in place of the layers found
+    /// Use a painted map in place of the layers found, as large as the photograph
     #[arg(long, value_name = "FILE", help_heading = "Layers of the photograph", conflicts_with = "layers")]
     pub(super) layer_map: Option<PathBuf>,
-    /// Size of the map: 1000, 1000x600, or lengths at 96 px to the inch: 300mm, 12in
+    /// Size of the map: 1000, 1000x600, or at 96 px per inch: 300mm, 12in
     #[arg(long, value_name = "SIZE", help_heading = "The new map")]
     #[arg(takes = format!("1 to {} px each, default: as the input", Exemplar::LARGEST_SIDE))]
     pub(super) size: Option<Size>,
-    /// Make it repeat without a seam, along x, y or both axes [none, both, x or y; alone: both;
-    /// default: none]
+    /// Make the map repeat without a seam, along x, y or both axes [none, both, x or y; alone: both; default:
+    /// none]
     #[arg(long, value_name = "AXES", num_args = 0..=1, require_equals = true, default_missing_value = "both")]
     #[arg(help_heading = "The new map")]
     pub(super) tile: Option<Axes>,
-    /// How: carried from the photograph along a field of correspondences, or by making borders alike
+    /// How to make the map: correspondence copies patches of the photograph, boundary makes similar borders
     /// [correspondence or boundary, default: correspondence]
     #[arg(long, value_name = "METHOD", value_parser = named::<MapMethod>, help_heading = "The new map")]
     pub(super) layer_method: Option<MapMethod>,
-    /// Strokes in the colours of the layers on a transparent or white background: they stay, layers below
-    /// them appear around them
+    /// Keep strokes in the colours of the layers, on a transparent or white background; lower layers appear
+    /// around them
     #[arg(long, value_name = "FILE", help_heading = "Given maps (they set the size)")]
     #[arg(conflicts_with_all = ["keep", "control", "layer_method"])]
     pub(super) sketch: Option<PathBuf>,
-    /// A map in the colours of the layers, kept outside --hole
+    /// Keep this map outside --hole; it is in the colours of the layers
     #[arg(long, value_name = "FILE", help_heading = "Given maps (they set the size)", requires = "hole")]
     #[arg(conflicts_with_all = ["control", "layer_method"])]
     pub(super) keep: Option<PathBuf>,
-    /// The part of --keep to fill anew: white, or opaque in a picture with transparency
+    /// The part of --keep to make again: the white pixels, or the opaque ones if the picture has transparency
     #[arg(long, value_name = "FILE", help_heading = "Given maps (they set the size)", requires = "keep")]
     pub(super) hole: Option<PathBuf>,
-    /// A map made by hand in the colours of the layers; where layers touch that do not in the
-    /// photograph, thin strips of those between are laid
+    /// Start from a map drawn in the colours of the layers. Where layers touch that do not touch in the
+    /// photograph, vtex adds thin strips of those between
     #[arg(long, value_name = "FILE", help_heading = "Given maps (they set the size)")]
     #[arg(conflicts_with = "layer_method")]
     pub(super) control: Option<PathBuf>,
-    /// Heights as a grey picture, best with 16 bits: new terrain in place of a map, .png with 16 bits
+    /// Make new terrain from a grey picture of heights, best with 16 bits, in place of a map; writes a 16-bit
+    /// .png
     #[arg(long, value_name = "FILE", help_heading = "Terrain")]
     #[arg(conflicts_with_all = [
         "input", "save_layers", "layers", "layer_order", "layer_map", "layer_method", "sketch", "keep", "control",

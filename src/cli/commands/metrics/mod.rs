@@ -20,7 +20,7 @@ use content::FileContent;
 use std::path::PathBuf;
 use vtex::metrics::SCALE;
 
-/// Say in numbers how alike an exemplar and a result are
+/// Measure how similar a result is to its exemplar
 #[derive(Args)]
 #[command(
     override_usage = "vtex metrics [OPTIONS] <EXEMPLAR> <RESULT>\n       vtex metrics [OPTIONS] <RESULT> --library <LIBRARY>",
@@ -33,13 +33,13 @@ Examples:
   vtex metrics photo.lib.json out.scene.json
   vtex metrics out.scene.json --library photo.lib.json
 
-Pictures are compared by colours, spectra, grain and structure; a library and
-a scene made from it by coverage, repetition and how elements keep together or
-apart. A library beside a picture counts as its exemplar, drawn.
+Pictures are compared by colours, spectra, grain and structure. A library and a
+scene made from it are compared by coverage, repetition and clustering. If one
+of the files is a picture, a library is drawn as its exemplar.
 
-With --library a scene is drawn, the picture analysed, and counted what is
-found again of large elements that lie whole on the canvas and are mostly
-seen. Compare the numbers with those of the library itself, given in place of
+With --library, the result is drawn, and its picture analysed. Large elements
+that are found again are counted, if they are whole on the canvas and mostly
+visible. Compare the numbers with those of the library itself, given in place of
 the scene. An SVG is read as a drawing."
 )]
 pub(crate) struct MetricsArgs {
@@ -49,10 +49,10 @@ pub(crate) struct MetricsArgs {
     /// The result: a picture, SVG, scene or library; - reads stdin
     #[arg(value_name = "RESULT", required_unless_present_any = ["library", "dump_config"])]
     pub(crate) result: Option<PathBuf>,
-    /// How many times as large the result shows the texture; it is made smaller by as much first
+    /// How much larger the result shows the texture; vtex first reduces the result by this factor
     #[arg(long, number = SCALE, default_value_t = SCALE.default())]
     pub(crate) scale: f64,
-    /// Find the elements of a scene, SVG or library again in its picture, which is analysed with the
+    /// Find the elements of a scene, SVG or library again in its picture; vtex analyses it with the
     /// parameters of this library
     #[arg(long, value_name = "LIBRARY", conflicts_with_all = ["result", "scale"])]
     pub(crate) library: Option<PathBuf>,

@@ -37,7 +37,7 @@ use vtex_studio::{Bounds, StudioServer, open_address};
 const PORT: Parameter<u16> = Parameter::new("port", [0, u16::MAX], "").or(0);
 const IDLE: Parameter<u32> = Parameter::new("idle-exit", [1, 604_800], "seconds");
 
-/// A page in the browser: see, mend, steer, change, save
+/// Open a page in the browser: see, correct, steer, change, save
 #[derive(Args)]
 #[command(
     override_usage = "vtex studio [OPTIONS] [FILE]...",
@@ -47,23 +47,24 @@ Examples:
   vtex studio swatch.svg photo.lib.json
   vtex studio photo.jpg --no-open --port 8080
 
-The page is served to this machine alone, and nothing is uploaded anywhere. Its address holds a key: give
-it to nobody. Work is kept in photo.jpg.vtex-studio.json beside photo.jpg, and goes on where it was."
+The page is served to this computer only, and nothing is uploaded. Its address
+contains a key: do not share it. Your work is saved beside photo.jpg, in
+photo.jpg.vtex-studio.json. Open the photograph again to continue."
 )]
 pub(crate) struct StudioArgs {
-    /// Photographs, SVG drawings, libraries, scenes, or work that was kept (.vtex-studio.json)
+    /// Photographs, SVG drawings, libraries, scenes, or saved work (.vtex-studio.json)
     #[arg(value_name = "FILE")]
     file: Vec<PathBuf>,
-    /// Folder in which files that are dropped on the page are put, and the work on them [default: the current one]
+    /// Folder for files that you drop on the page, and for the work on them [default: the current one]
     #[arg(long, value_name = "DIR")]
     folder: Option<PathBuf>,
-    /// Port of the page's address; 0: any that is free
+    /// Port of the page's address; 0: any free port
     #[arg(long, number = PORT)]
     port: Option<u16>,
-    /// Print the page's address and open no browser
+    /// Print the page's address, and open no browser
     #[arg(long)]
     no_open: bool,
-    /// End once no page has been open for so long
+    /// End after no page has been open for this time
     #[arg(long, number_or(IDLE, "not before Ctrl-C"), value_name = "SECONDS")]
     idle_exit: Option<u32>,
 }

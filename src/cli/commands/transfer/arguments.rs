@@ -11,7 +11,7 @@ use std::path::PathBuf;
 use vtex::scene::TransferMode;
 use vtex::transfer::{Keep, StylizeParams, TransferParams};
 
-/// A texture's arrangement, or a picture, in another's elements
+/// Redraw a texture or a picture with the elements of another texture
 #[derive(Args)]
 #[command(
     override_usage = "vtex transfer [OPTIONS] --structure <FILE> --appearance <FILE>...\n       \
@@ -23,40 +23,39 @@ Examples:
   vtex transfer --structure a.json --appearance b.json c.json --map m.png
   vtex transfer --onto portrait.jpg --appearance leaves.lib.json
 
-A library stands for its exemplar as it is; photographs and drawings are
-analysed first, as by 'vtex analyze'. Every element of a structure keeps its
-place, size and direction. What is too thin to be drawn anew keeps its shape
-and is counted. Elements laid onto a picture follow its edges, and are small
-where it has detail."
+A library gives the arrangement of its exemplar. Photographs and drawings are
+analysed first, as with 'vtex analyze'. Every element of a structure keeps its
+position, size and direction. Very thin elements keep their shape, and their
+number is reported. Elements on a picture follow its edges, and are small where
+it has detail."
 )]
 pub(crate) struct TransferArgs {
-    /// The texture whose arrangement is kept: a scene or a library, plain or gzip, a photograph or a drawing;
-    /// - reads stdin
+    /// Texture whose arrangement to keep: a scene or a library, plain or gzip, a photograph or a drawing; -
+    /// reads stdin
     #[arg(long, value_name = "FILE", required_unless_present_any = ["onto", "dump_config"])]
     pub(super) structure: Option<PathBuf>,
-    /// A picture that is redrawn in place of a structure: PNG, JPEG, TIFF, WebP, BMP, GIF, PNM or SVG; - reads
-    /// stdin
+    /// Picture to redraw, in place of a structure: PNG, JPEG, TIFF, WebP, BMP, GIF, PNM or SVG; - reads stdin
     #[arg(long, value_name = "PICTURE", conflicts_with_all = ["structure", "map", "mode", "element_scale"])]
     pub(super) onto: Option<PathBuf>,
-    /// The texture whose appearance is taken over: a scene or a library, plain or gzip, a photograph or a
-    /// drawing; several with --map
+    /// Texture that gives the look: a scene or a library, plain or gzip, a photograph or a drawing; several
+    /// with --map
     #[arg(long, value_name = "FILE", num_args = 1.., required_unless_present = "dump_config")]
     pub(super) appearance: Vec<PathBuf>,
-    /// Where which appearance is used: a picture with one colour for each, in the order of its palette, else
-    /// from dark to light; for two, grey will do
+    /// Where to use which appearance: a picture with one colour for each, in the order of its palette, else
+    /// from dark to light. For two, a grey picture is enough
     #[arg(long, value_name = "FILE")]
     pub(super) map: Option<PathBuf>,
-    /// Take over the mean colours only, or replace each element by one drawn at random [mean or replace,
-    /// default: replace]
+    /// Take only the mean colours, or replace each element by a random one [mean or replace, default:
+    /// replace]
     #[arg(long, value_name = "WORD", hide_possible_values = true)]
     #[arg(value_parser = one_of(&["mean", "replace"], named::<TransferMode>))]
     pub(super) mode: Option<TransferMode>,
-    /// Factor of the size of elements
+    /// Scale all elements by this factor
     #[arg(long, number = TransferParams::SCALE, default_value_t = TransferParams::SCALE.default())]
     #[arg(hide_short_help = true)]
     pub(super) element_scale: f64,
-    /// Whether elements take the picture's lightness, its colours, or keep their own, the nearest being
-    /// used [lightness, color or none, default: color]
+    /// Give elements the lightness or the colours of the picture; none: keep their own, and choose the
+    /// nearest [lightness, color or none, default: color]
     #[arg(long, value_name = "WORD", hide_possible_values = true, help_heading = ONTO)]
     #[arg(value_parser = one_of(&["lightness", "color", "none"], named::<Keep>), conflicts_with = "structure")]
     pub(super) keep: Option<Keep>,
@@ -64,18 +63,18 @@ pub(crate) struct TransferArgs {
     #[arg(long, number = StylizeParams::SIZE, default_value_t = StylizeParams::SIZE.default())]
     #[arg(help_heading = ONTO, conflicts_with = "structure")]
     pub(super) longer_side: u32,
-    /// Distance of the largest elements
+    /// Distance between the largest elements
     #[arg(long, number_or(StylizeParams::ELEMENT, "a 28th of the longer side"))]
     #[arg(help_heading = ONTO, conflicts_with = "structure")]
     pub(super) element_size: Option<f64>,
-    /// Sizes of elements, each half the one before, for finer and finer detail
+    /// Number of element sizes, each half of the one before; more give finer detail
     #[arg(long, number = StylizeParams::LEVELS, default_value_t = StylizeParams::LEVELS.default())]
     #[arg(help_heading = ONTO, conflicts_with = "structure")]
     pub(super) levels: u32,
     /// Result: .svg, .svgz, .pdf, .png, .scene.json or .scene.json.gz [default: ./STRUCTURE.transfer.svg or
     /// ./PICTURE.stylized.svg]
     ///
-    /// Its extension is its format; - writes SVG to stdout; several -o write several files
+    /// The file extension sets the format. - writes SVG to stdout. Several -o write several files
     #[arg(short, long, value_name = "FILE")]
     pub(super) output: Vec<PathBuf>,
     #[command(flatten)]
