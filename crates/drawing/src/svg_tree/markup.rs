@@ -8,7 +8,7 @@ use std::collections::{HashMap, HashSet};
 const MOST_ATTRIBUTES: usize = 1000;
 /// Largest number of prefixes of namespaces: the parser copies those of an element to its children.
 const MOST_NAMESPACES: usize = 200;
-/// Most bytes to which entities unfold, all their references together, and how deeply they are nested.
+/// Most bytes to which all references to entities unfold, and the depth of nested entities that is counted.
 const MOST_UNFOLDED: usize = 10_000_000;
 const MOST_NESTED: usize = 10;
 

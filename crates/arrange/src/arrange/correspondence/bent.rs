@@ -4,6 +4,7 @@
 //! its middle are therefore lengthened and shortened a little, by factors that change slowly with the angle: a Fourier
 //! series of few harmonics. All of its shapes are bent with it, so that it keeps its one surface.
 
+use super::mapped::to_place;
 use super::resolve::Mapped;
 use vtex_base::geometry::{Affine, Outline, Point, Vec2};
 use vtex_base::raster::Mask;
@@ -100,7 +101,7 @@ impl Bend {
 /// An element that is bent.
 pub(super) struct Bent<'a> {
     bend: Bend,
-    primary: &'a ExemplarElement,
+    pub(super) primary: &'a ExemplarElement,
     /// The map from the exemplar to the place where the element is bent.
     to_place: Affine,
     base: Shape,
@@ -117,19 +118,17 @@ impl<'a> Bent<'a> {
         growth: f64,
     ) -> Option<Self> {
         let bend = Bend::onto(&mapped.mask, &instance.shifted(-mapped.at[0], -mapped.at[1]), growth)?;
-        let [a, b, c, d] = mapped.map.matrix;
-        let [x, y] = primary.origin().map(f64::from);
-        let to_place = Affine::new([a, b, c, d, 0.0, 0.0]) * Affine::translate((-x, -y));
+        let to_place = to_place(primary, &mapped.map, [0; 2]);
         let base = bend.shape(&primary.base().moved(to_place))?;
         let mask = pixels::mask(&base.outline);
         (!mask.is_empty()).then_some(Self { bend, primary, to_place, base, mask })
     }
 
-    /// All its shapes.
-    pub(super) fn shapes(self) -> Vec<Shape> {
+    /// All its shapes, and its pixels.
+    pub(super) fn into_shapes(self) -> (Vec<Shape>, Mask) {
         let details = self.primary.details().iter().map(|detail| detail.moved(self.to_place));
         let bent = details.filter_map(|detail| self.bend.shape(&detail));
-        std::iter::once(self.base.clone()).chain(bent).collect()
+        (std::iter::once(self.base).chain(bent).collect(), self.mask)
     }
 }
 
@@ -150,6 +149,7 @@ fn radius(mask: &Mask, from: Point, way: Vec2) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::resolve::union;
     use super::*;
     use vtex_base::geometry::parse_path;
     use vtex_base::raster::Span;
@@ -172,15 +172,11 @@ mod tests {
             &parse_path("M30 0C30 16.6 16.6 30 0 30C-16.6 30-30 16.6-30 0C-30-16.6-16.6-30 0-30C16.6-30 30-16.6 30 0z").unwrap(),
         );
         let wanted = mask(|angle| 30.0 * (1.0 + 0.1 * libm::cos(3.0 * angle)));
-        let union = |a: &Mask, b: &Mask| {
-            let both = f64::from(a.overlap(b));
-            both / (f64::from(a.area()) + f64::from(b.area()) - both)
-        };
         let bend = Bend::onto(&disc, &wanted, 1.0).unwrap();
         let bent = pixels::mask(&bend.outline(&outline.unwrap()).unwrap());
-        let (after, before) = (union(&bent, &wanted), union(&disc, &wanted));
+        let (after, before) = (union(&bent, &wanted, [0; 2]), union(&disc, &wanted, [0; 2]));
         assert!(after > 0.97 && before < 0.9, "{after} {before}");
-        // Far from the wanted radii, it goes as far as it may.
+        // Radii that are much too short become as long as is permitted.
         let far = Bend::onto(&disc, &mask(|_| 55.0), 1.0).unwrap();
         assert!((far.point(Point::new(0.0, 30.0)).y - 30.0 * FACTORS[1]).abs() < 0.2);
     }

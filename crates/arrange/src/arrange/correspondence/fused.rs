@@ -7,6 +7,7 @@
 //! ones.
 
 use super::instances::{PixelInstance, PrimaryPixels};
+use super::mapped::to_place;
 use crate::arrange::model::PlacementModel;
 use vtex_base::geometry::{Affine, FittedMap, Interior, Outline, PlanarMap, Point, Scale};
 use vtex_base::raster::colour::Colour;
@@ -170,10 +171,8 @@ impl<'a> PlacedPart<'a> {
     fn new(part: &PrimaryPixels, origin: [i32; 2], libraries: &'a [Library], model: &PlacementModel) -> Self {
         let known = model.element(part.variant);
         let primary = &libraries[known.library].primaries()[known.index as usize];
-        let [a, b, c, d] = model.variation(part.variant).matrix;
-        let [ox, oy] = primary.origin().map(f64::from);
-        let way = [0, 1].map(|k| f64::from(part.at[k] - origin[k]));
-        let to_place = Affine::new([a, b, c, d, way[0], way[1]]) * Affine::translate((-ox, -oy));
+        let way = [0, 1].map(|k| part.at[k] - origin[k]);
+        let to_place = to_place(primary, model.variation(part.variant), way);
         Self { primary, mask: part.mask.shifted(-origin[0], -origin[1]), to_place }
     }
 

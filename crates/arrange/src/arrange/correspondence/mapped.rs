@@ -6,7 +6,9 @@
 //! nobody sees it. A mapped element is one thing with one surface, unlike one that is fused of the parts of others.
 
 use crate::arrange::variation::Variation;
+use vtex_base::geometry::Affine;
 use vtex_base::raster::Mask;
+use vtex_scene::library::ExemplarElement;
 
 /// Least and greatest stretch along an axis.
 pub(super) const STRETCH: [f64; 2] = [0.88, 1.14];
@@ -72,6 +74,13 @@ impl Moments {
             |s: Symmetric| stretches(s).0.iter().map(|v| libm::fabs(libm::log(v.max(1e-6)))).sum::<f64>();
         (gentle(wanted), strain(wanted))
     }
+}
+
+/// The map from an exemplar to a place of one of its primaries, relative to which it lies at `at`, varied.
+pub(super) fn to_place(primary: &ExemplarElement, variation: &Variation, at: [i32; 2]) -> Affine {
+    let [a, b, c, d] = variation.matrix;
+    let ([x, y], [u, v]) = (primary.origin().map(f64::from), at.map(f64::from));
+    Affine::new([a, b, c, d, u, v]) * Affine::translate((-x, -y))
 }
 
 /// The root of a positive matrix.

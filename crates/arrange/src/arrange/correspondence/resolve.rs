@@ -97,7 +97,7 @@ pub(super) struct Mapped {
     union: f64,
 }
 
-/// An element with shapes of its own.
+/// An element that is drawn for one place only.
 pub(super) struct Made {
     /// The element that it is made of, or most of it.
     pub(super) variant: VariantId,
@@ -318,7 +318,7 @@ impl<'a> Resolver<'a> {
         }
         let bent = judged.iter().take(BENT_ONES).filter_map(|(_, mapped)| {
             let known = self.model.element(mapped.variant);
-            let primary = &self.libraries[library].primaries()[known.index as usize];
+            let primary = &self.libraries[known.library].primaries()[known.index as usize];
             let bent = Bent::onto(mapped, primary, mask, growth)?;
             let union = union(mask, &bent.mask, mapped.at);
             let is_alike = union >= BENT / (growth * growth)
@@ -327,14 +327,15 @@ impl<'a> Resolver<'a> {
         });
         let (_, mapped, bent) = bent.max_by(|a, b| a.0.total_cmp(&b.0))?;
         let known = self.model.element(mapped.variant);
-        let mask = bent.mask.clone();
+        let category = bent.primary.category;
+        let (shapes, mask) = bent.into_shapes();
         let element = Element {
-            library: LibraryId(library as u32),
+            library: LibraryId(known.library as u32),
             source: Some(ElementId(known.index)),
-            category: self.libraries[library].primaries()[known.index as usize].category,
+            category,
             fused: true,
             silhouette: None,
-            shapes: bent.shapes(),
+            shapes,
         };
         Some(Resolution::Bent(Box::new(Made { element, mask, variant: mapped.variant, at: mapped.at })))
     }
@@ -437,7 +438,7 @@ impl<'a> Resolver<'a> {
 }
 
 /// Overlap over union of a mask and another one at a place.
-fn union(one: &Mask, other: &Mask, at: [i32; 2]) -> f64 {
+pub(super) fn union(one: &Mask, other: &Mask, at: [i32; 2]) -> f64 {
     let both = f64::from(one.overlap(&other.shifted(at[0], at[1])));
     both / (f64::from(one.area()) + f64::from(other.area()) - both).max(1.0)
 }

@@ -15,7 +15,7 @@ pub(super) struct Rows {
 }
 
 impl Rows {
-    /// In units of so many pixels; `None` if the lattice has two vectors.
+    /// The rows of a lattice, with lengths in units of `unit` pixels; `None` if the lattice has two vectors.
     pub(super) fn of(lattice: &Lattice, unit: f64) -> Option<Self> {
         let [vector] = lattice.vectors[..] else { return None };
         let period = libm::hypot(vector[0], vector[1]) / unit;
