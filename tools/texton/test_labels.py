@@ -52,7 +52,7 @@ class Drawing(unittest.TestCase):
 class Files(unittest.TestCase):
     def test_files_hold_what_they_promise(self):
         paths = sorted(glob.glob(os.path.join(FOLDER, "*.json")))
-        self.assertEqual(len(paths), 5)
+        self.assertEqual(len(paths), 14)
         for path in paths:
             with open(path, encoding="utf-8") as f:
                 textons = json.load(f)["textons"]
