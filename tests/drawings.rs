@@ -286,7 +286,7 @@ fn a_tile_is_a_whole_number_of_periods() {
     let params =
         SynthParams { width: library.source.width + 10, height: 300, tile, ..SynthParams::default() };
     let error = synthesize(&library, &params, &()).unwrap_err().to_string();
-    assert!(error.contains(&format!("{}x", library.source.width)), "{error}");
+    assert!(error.contains(&format!("{} x", library.source.width)), "{error}");
 }
 
 /// A swatch of 13.9 x 14.3 units with some elements.

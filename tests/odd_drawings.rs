@@ -2,6 +2,7 @@
 //! make these tests take hours.
 
 use std::fmt::Write as _;
+use vtex::geometry::Affine;
 use vtex::import::{Grouping, ImportParams, import};
 use vtex::library::{AnalyzeParams, ExemplarElement, Library};
 use vtex::scene::{Method, SynthParams, Tile};
@@ -252,4 +253,41 @@ fn turned_uses_of_a_symbol_are_where_they_are_drawn() {
     for (a, b) in used.iter().zip(&drawn) {
         assert!((a.center() - b.center()).hypot() < 0.01 && (a.area() - b.area()).abs() < 0.1, "{a:?} {b:?}");
     }
+}
+
+#[test]
+fn stubs_that_lines_cover_are_not_read() {
+    let line = |d: &str| format!(r##"<path d="{d}" fill="none" stroke="#000" stroke-width=".6"/>"##);
+    let lines = many(6, |k| line(&format!("M{0} 10h9v8", 12 * k + 5)));
+    let count = |inner: &str| read(inner).unwrap().primaries().len();
+    // Within a line, on its end, and across it.
+    let covered = line("M8 10h.05") + &line("M13.98 10h.05") + &line("M20 9.98v.05");
+    assert_eq!(count(&(lines.clone() + &covered)), 6);
+    // In the open, of another colour, and with round caps: a dot.
+    let apart = line("M50 60h.05");
+    let red = apart.replace("#000", "#f00").replace("50 60", "8 10");
+    let dot = apart.replace("/>", r#" stroke-linecap="round"/>"#);
+    assert_eq!(count(&(lines.clone() + &apart)), 7);
+    assert!(count(&(lines.clone() + &red)) > 6 && count(&(lines + &dot)) == 7);
+}
+
+#[test]
+fn strict_rows_stay_by_default() {
+    let rows = many(21, |k| {
+        let (x, y) = (k % 7 * 14 + k / 7 * 5 % 11, 10 + k / 7 * 26);
+        format!(r##"<path d="M{} {y}h{}v1h-8z" fill="#234"/>"##, x as f64 + 1.3 * (k * k % 3) as f64, 8)
+    });
+    let library = read_as(&rows, Some(true), AnalyzeParams::default()).unwrap();
+    let (width, height, method) = (300, 240, Method::Period);
+    let params = SynthParams { width, height, method, seed: 4, ..SynthParams::default() };
+    let ys = |params: &SynthParams| {
+        let scene = synthesize(&library, params, &()).unwrap();
+        let middle = |i: &vtex::scene::Instance| {
+            (Affine::new(i.transform) * scene.element(i).shapes[0].outline.bounds().center()).y
+        };
+        let middles = scene.instances().map(|i| middle(i).rem_euclid(80.0));
+        middles.map(|y| libm::round(y * 2.0) as i64).collect::<std::collections::BTreeSet<i64>>()
+    };
+    assert!(ys(&params).len() <= 3, "{:?}", ys(&params));
+    assert!(ys(&SynthParams { variation: Some(1.0), ..params }).len() > 3);
 }

@@ -64,8 +64,9 @@ fn number(py: Python<'_>, error: &io::Error) -> Option<i32> {
 /// The message, with parameters named as in Python.
 fn message(error: &Error) -> String {
     match error {
-        Error::Parameter { name, value, allowed } => {
-            format!("{} = {value} is out of range: {allowed}", name.replace('-', "_"))
+        // The others have names of one word.
+        Error::Parameter { name, .. } if name.contains('-') => {
+            error.to_string().replacen(*name, &name.replace('-', "_"), 1)
         }
         Error::Edit { operation, fault: EditFault::Range { name, value, allowed } } => {
             let name = field(operation, name);
@@ -110,7 +111,10 @@ fn hint(error: &Error) -> Option<String> {
             return Some(format!("layer takes {}", known.join(", ")));
         }
         Error::Edit { fault: EditFault::NoCategory { known, .. }, .. } => {
-            return Some(format!("the categories are {}", known.join(", ")));
+            return Some(match &known[..] {
+                [] => "no element of the scene has a category".into(),
+                known => format!("the categories are {}", known.join(", ")),
+            });
         }
         Error::Edit { fault: EditFault::BackgroundCondition, .. } => {
             "its points are told apart by x, y, inside and outside"

@@ -45,6 +45,8 @@ pub(crate) struct Analysis {
     pub(crate) wrap: Option<bool>,
     /// Whether analysis tests if the borders of a photograph join.
     pub(crate) looks_at_borders: bool,
+    /// Whether the elements are placed anew afterwards.
+    pub(crate) places: bool,
 }
 
 impl Analysis {
@@ -84,8 +86,17 @@ impl Analysis {
         let engine = engine(masks.engine, parameters.threads);
         let layers = layers.files(force.force)?;
         let (wrap, parameters) = (parameters.wrap.choice(), parameters.analyze.clone());
-        let looks_at_borders = true;
-        Ok(Self { input, masks: from, engine, save_masks, layers, parameters, wrap, looks_at_borders })
+        Ok(Self {
+            input,
+            masks: from,
+            engine,
+            save_masks,
+            layers,
+            parameters,
+            wrap,
+            looks_at_borders: true,
+            places: true,
+        })
     }
 }
 
@@ -101,6 +112,7 @@ impl Analysis {
             parameters: parameters.analyze.clone(),
             wrap: parameters.wrap.choice(),
             looks_at_borders: true,
+            places: false,
         })
     }
 
@@ -153,6 +165,8 @@ pub(crate) fn library_of(
     known: KnownBefore<'_>,
     reporter: &Reporter,
 ) -> anyhow::Result<Library> {
+    let as_it_is = AsItIs(reporter);
+    let progress: &dyn Progress = if analysis.places { reporter } else { &as_it_is };
     let wanted = [input::InputKind::Image, input::InputKind::Svg, input::InputKind::Unknown];
     let kind = input::InputKind::expect(&bytes, &analysis.input, &wanted)?;
     let name = match &analysis.input {
@@ -162,7 +176,7 @@ pub(crate) fn library_of(
     if kind == input::InputKind::Svg || analysis.parameters.kind == PictureKind::Curves {
         check_drawing(analysis)?;
         let params = ImportParams { wrap: analysis.wrap, analyze: analysis.parameters.clone() };
-        let mut library = import(&bytes, &analysis.input.name(), &params, reporter)?;
+        let mut library = import(&bytes, &analysis.input.name(), &params, progress)?;
         library.source.file = name.into_owned();
         return Ok(library);
     }
@@ -194,8 +208,8 @@ pub(crate) fn library_of(
     let wrap = analysis.wrap.unwrap_or_else(joins);
     let parameters = AnalyzeParams { wrap, ..analysis.parameters.clone() };
     let library = match known.memory {
-        Some(memory) => analyze_again(&exemplar, &saving, &parameters, memory, reporter)?,
-        None => vtex::analyze::analyze(&exemplar, &saving, &parameters, reporter)?,
+        Some(memory) => analyze_again(&exemplar, &saving, &parameters, memory, progress)?,
+        None => vtex::analyze::analyze(&exemplar, &saving, &parameters, progress)?,
     };
     reporter.picture("gaussians", &|| splat(&reconstruct(&library)));
     if let Some(save) = &analysis.layers.save {
@@ -212,6 +226,25 @@ pub(crate) fn library_of(
         reporter.hint(hint);
     }
     Ok(library)
+}
+
+/// Progress of the analysis of a picture whose elements stay where they are.
+struct AsItIs<'a>(&'a Reporter);
+
+impl Progress for AsItIs<'_> {
+    fn advance(&self, stage: &'static str, done: u64, total: u64) -> bool {
+        self.0.advance(stage, done, total)
+    }
+
+    fn warn(&self, message: &str) {
+        self.0.warn(message);
+    }
+
+    fn warn_of_placing(&self, _: &str) {}
+
+    fn picture(&self, name: &str, draw: &dyn Fn() -> RgbImage) {
+        self.0.picture(name, draw);
+    }
 }
 
 /// Refuses files that apply to photographs only.

@@ -1,6 +1,7 @@
 //! File formats by extension, and default names.
 
 use super::failure::Failure;
+use super::values::alternatives;
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 use vtex::output::file::{FileKind, Format};
@@ -55,9 +56,8 @@ fn check_name(flag: &str, path: &Path, known: &[&str]) -> Result<(), Failure> {
 }
 
 fn unknown_name(flag: &str, path: &Path, known: &[&str]) -> Failure {
-    let (last, others) = known.split_last().expect("some format is allowed");
     Failure::usage(format!("cannot tell the format from the name '{}'", path.display()))
-        .hint(format!("give {flag} a name that ends in {} or {last}", others.join(", ")))
+        .hint(format!("give {flag} a name that ends in {}", alternatives(known)))
 }
 
 /// `some/photo.tuned.weights.json` for `some/photo.lib.json` and the name `tuned`.

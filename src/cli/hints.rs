@@ -4,7 +4,8 @@ use std::io::ErrorKind;
 use std::path::Path;
 use vtex::Error;
 use vtex::error::{EditFault, Large};
-use vtex::library::Library;
+use vtex::library::{Library, SourceKind};
+use vtex::scene::{Method, SynthParams};
 
 /// The note of a page on a photograph that was not found.
 pub(crate) const PHOTO: &str = "Name it with --exemplar.";
@@ -21,9 +22,25 @@ pub(crate) fn of_library(library: &Library) -> Option<&'static str> {
     }
 }
 
-/// A hint for a texture that has no elements.
-pub(crate) const NO_ELEMENTS: &str = "leave out --method, so that vtex chooses one that fits, or give --method period \
-    to repeat a drawing; a photograph or a drawing with whole elements can be placed by any";
+/// A hint for a texture without elements, of libraries that have some.
+pub(crate) fn of_no_elements(libraries: &[Library], asked: &SynthParams) -> Option<&'static str> {
+    let mut primaries = libraries.iter().flat_map(Library::primaries).peekable();
+    // Whoever excludes categories expects few elements.
+    if primaries.peek().is_none() || !asked.exclude.is_empty() {
+        return None;
+    }
+    let is_drawing = libraries.iter().all(|library| library.source.kind == SourceKind::Drawing);
+    Some(if primaries.any(|primary| !primary.clipped) {
+        "give a larger --size, or a --domain or --density with more room"
+    } else if !is_drawing {
+        "use a larger photograph, which shows elements as a whole"
+    } else if asked.method != Method::Auto {
+        "leave out --method, so that vtex chooses one that fits"
+    } else {
+        "leave out --rotate, --mirror, --scale-jitter, --density and --weights: with one of them a drawing is not \
+         repeated as it is"
+    })
+}
 
 /// Whether a path is a pattern that a shell should have replaced.
 fn is_pattern(path: &Path) -> bool {
@@ -46,6 +63,10 @@ pub(crate) fn hint(error: &Error) -> Option<String> {
         }
         Error::Exists { .. } => "give another name with -o, or --force to replace it",
         Error::TooLarge { what: Large::Canvas, .. } => "ask for a smaller --size",
+        Error::TooLarge { what: Large::Drawn, .. } => "give a smaller --scale, or a file with a smaller page",
+        Error::TooLarge { what: Large::Redrawn, .. } => {
+            "give a larger --element-size, or a smaller --longer-side"
+        }
         Error::Format { format: "vtex-library", .. } => {
             "make a library with 'vtex analyze photo.jpg' or 'vtex analyze drawing.svg'"
         }
@@ -64,13 +85,16 @@ pub(crate) fn hint(error: &Error) -> Option<String> {
         Error::Engine { .. } => "is the file complete? Try the other --engine",
         Error::Edit { fault: EditFault::TooFar(_), .. } => "give smaller numbers",
         Error::Edit { fault: EditFault::TooMuchDrawn { .. }, .. } => {
-            "draw less, or select fewer elements with --category, --layer or --where"
+            "draw less, or select fewer elements with --layer or --where"
         }
         Error::Edit { fault: EditFault::NoLayer { known, .. }, .. } => {
             return Some(format!("--layer takes {}", known.join(", ")));
         }
         Error::Edit { fault: EditFault::NoCategory { known, .. }, .. } => {
-            return Some(format!("the categories are {}", known.join(", ")));
+            return Some(match &known[..] {
+                [] => "no element of the scene has a category".into(),
+                known => format!("the categories are {}", known.join(", ")),
+            });
         }
         Error::Undrawable { .. } => {
             return error.hint().map(|advice| advice + "; --lenient leaves it out");
@@ -78,7 +102,9 @@ pub(crate) fn hint(error: &Error) -> Option<String> {
         Error::OtherLibrary { .. } => {
             return error.hint().map(|advice| advice + "; 'vtex inspect' lists them");
         }
-        Error::DrawingPeriods { .. } => "give another --size, or --method descriptor, which fits any",
+        Error::DrawingPeriods { near: [w, h], .. } => {
+            return Some(format!("give --size {w}x{h}, or --method descriptor, which fits any size"));
+        }
         Error::Periods { nearest: Some([w, h]), .. } => {
             return Some(format!("give --size {w}x{h}, or --lattice off, which fits any size"));
         }
@@ -89,11 +115,11 @@ pub(crate) fn hint(error: &Error) -> Option<String> {
         }
         Error::Parameter { name: "method", .. } => "leave out --method, or what this one does not follow",
         Error::Parameter { name: "region", .. } => "draw a larger shape for --region",
+        Error::Parameter { name: "canvas", .. } => "give a larger --size",
         Error::Seams => "make the texture with --tile, for both axes",
-        Error::MaxBytes { smallest, .. } => {
-            return Some(format!(
-                "give --max-bytes {smallest} or more, write .svgz, or make the texture smaller"
-            ));
+        Error::MaxBytes { file, smallest, .. } => {
+            let packed = if *file == "SVG" { "write .svgz, " } else { "" };
+            return Some(format!("give --max-bytes {smallest} or more, {packed}or make the texture smaller"));
         }
         _ => return error.hint(),
     };
@@ -119,7 +145,8 @@ mod tests {
             ),
             (Error::Seams, "--tile"),
             (Error::Sizes { from: [1, 1], to: [2, 2] }, "--stretch"),
-            (Error::MaxBytes { most: 1, smallest: 7 }, "--max-bytes 7"),
+            (Error::MaxBytes { file: "SVG", most: 1, smallest: 7 }, "write .svgz"),
+            (Error::MaxBytes { file: "PDF", most: 1, smallest: 7 }, "--max-bytes 7 or more, or make"),
             (Error::Runtime { name: "a".into(), reason: "b".into() }, "--onnxruntime"),
             (Error::Engine { name: "a".into(), engine: "rten", reason: "b".into() }, "--engine onnxruntime"),
         ] {

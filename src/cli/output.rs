@@ -414,12 +414,26 @@ impl Target {
             self.pack(&mut out, |w| writer(scene, options, w))?;
             io::Result::Ok(out.finish()?.count)
         };
-        let fail = |e| or_interrupted(Error::write(self.place.path(), e));
+        let fail = |e| match or_interrupted(Error::write(self.place.path(), e)) {
+            Error::MaxBytes { most, smallest, .. } => {
+                Error::MaxBytes { file: self.kind_of_drawing(), most, smallest }
+            }
+            other => other,
+        };
         let reduced = reduce::to_fit(scene, &options, most, measure).map_err(fail)?;
         let (warnings, bytes) =
             self.place.write(|out| self.pack(out, |w| writer(&reduced.scene, &reduced.options, w)))?;
         let given_up = reduced.given_up;
         Ok(WrittenFile { bytes, warnings, given_up, others: Vec::new() })
+    }
+
+    /// The kind of a file of a drawing, for messages.
+    fn kind_of_drawing(&self) -> &'static str {
+        match self.kind {
+            FileKind { format: Format::Pdf, .. } => "PDF",
+            FileKind { gzip: true, .. } => "SVGZ",
+            _ => "SVG",
+        }
     }
 
     /// Passes a writer to `content` that packs if the file name ends so; packed content is sealed here.

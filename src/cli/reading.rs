@@ -94,12 +94,17 @@ pub(crate) fn scene(input: &Input) -> anyhow::Result<Scene> {
 
 /// A hint for a file that is not a scene.
 fn scene_hint(bytes: &[u8], input: &Input) -> String {
-    if metadata(bytes).is_none() {
+    let Some(metadata) = metadata(bytes) else {
         return "make a scene with 'vtex synth photo.lib.json -o out.scene.json'".into();
-    }
+    };
     let scene = input.path().with_extension("scene.json");
     let (svg, scene) = (input.name(), scene.display());
-    format!("make its scene again: vtex texture PHOTO --again {svg} -o {scene}")
+    // Only textures of photographs store a recipe.
+    if metadata["recipe"].is_object() {
+        return format!("make its scene again: vtex texture PHOTO --again {svg} -o {scene}");
+    }
+    let seed = metadata["seed"].as_u64().map_or(String::new(), |seed| format!(" --seed {seed}"));
+    format!("make its scene: repeat the command that wrote it, with{seed} -o {scene}")
 }
 
 /// A scene from its bytes, or from those of a library as the reconstruction of its exemplar.

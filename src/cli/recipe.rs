@@ -150,6 +150,12 @@ impl Recipe {
             failure.hint("only an SVG that 'vtex texture' has written does; give it to --again")
         };
         let metadata = metadata(&bytes).ok_or_else(missing)?;
+        if metadata["seed"].is_u64() && !metadata["recipe"].is_object() {
+            let message = format!("{place} has no recipe: another command than 'vtex texture' wrote it");
+            let failure = Failure::failed(message);
+            let hint = format!("repeat that command, with its options and --seed {}", metadata["seed"]);
+            return Err(failure.hint(hint).into());
+        }
         let program = metadata["program"].as_str().unwrap_or_default().to_owned();
         let Some(Value::Object(recipe)) = metadata.get("recipe") else { return Err(missing().into()) };
         let text = |value: &Value, key: &str| value[key].as_str().map(str::to_owned);

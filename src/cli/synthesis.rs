@@ -3,7 +3,7 @@
 use super::common::Common;
 use super::config::Parameters;
 use super::failure::Failure;
-use super::hints::NO_ELEMENTS;
+use super::hints::of_no_elements;
 use super::options::context::ContextFiles;
 use super::options::control::Steering;
 use super::options::files::ForceArgs;
@@ -178,7 +178,11 @@ pub(crate) fn finish(
         let (seed, targets, pattern) = synthesis.variant(variant);
         let parameters = SynthParams { seed, ..parameters.clone() };
         let (scene, report) = synthesize_with(libraries, &parameters, controls, reporter)?;
-        hint_at_elements(reporter, libraries, &scene);
+        if scene.individuals().next().is_none()
+            && let Some(hint) = of_no_elements(libraries, &parameters)
+        {
+            reporter.hint(hint);
+        }
         let library = libraries.first();
         let recipe = recipe.map(|recipe| of_variant(recipe, variant));
         let drawing = DrawingOptions { svg: svg.fit(libraries), render: *render, recipe: recipe.as_ref() };
@@ -220,13 +224,6 @@ pub(crate) fn heavy(parameters: &SynthParams, libraries: &[Library], as_pdf: boo
     };
     let hint = format!("{instead} has larger elements, which are vectors and stay sharp: {}", words(&less));
     Some([warning, hint])
-}
-
-/// Prints a hint if a texture has no elements, of libraries that have some.
-fn hint_at_elements(reporter: &Reporter, libraries: &[Library], scene: &Scene) {
-    if scene.individuals().next().is_none() && libraries.iter().any(|library| !library.elements.is_empty()) {
-        reporter.hint(NO_ELEMENTS);
-    }
 }
 
 /// A finished texture, to be written.

@@ -1,6 +1,7 @@
 //! Messages of the argument parser, in the words of the help.
 
 use super::foreign::styled;
+use super::operations::verb::example;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use std::ffi::OsString;
 use std::path::Path;
@@ -27,9 +28,12 @@ fn suggestion(error: &clap::Error, arguments: &[OsString]) -> Option<String> {
     };
     match error.kind() {
         ErrorKind::InvalidSubcommand => {
-            let file = own(ContextKind::InvalidSubcommand)?;
-            let command = command_of(file)?;
-            Some(format!("did you mean 'vtex {command} {file}'?"))
+            let word = own(ContextKind::InvalidSubcommand)?;
+            if let Some(example) = operation(word) {
+                return Some(format!("scenes are changed by operations: vtex edit SCENE --op \"{example}\""));
+            }
+            let command = command_of(word)?;
+            Some(format!("did you mean 'vtex {command} {word}'?"))
         }
         ErrorKind::UnknownArgument => {
             let unknown = own(ContextKind::InvalidArg)?;
@@ -56,6 +60,12 @@ fn suggestion(error: &clap::Error, arguments: &[OsString]) -> Option<String> {
         }
         _ => None,
     }
+}
+
+/// An example of the operation that a word means.
+fn operation(word: &str) -> Option<String> {
+    let word = word.replace("colour", "color");
+    example(if word == "color" { "recolor" } else { &word })
 }
 
 /// Commands that read one file and write one.

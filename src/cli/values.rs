@@ -394,11 +394,15 @@ impl<T: Clone + Send + Sync + 'static> TypedValueParser for OneOf<T> {
 
 /// The message for an unknown name.
 pub(crate) fn one_of_these(names: &[impl AsRef<str>]) -> String {
+    if names.is_empty() { String::new() } else { format!("expected {}", alternatives(names)) }
+}
+
+/// Names in words, as in "a, b or c".
+pub(crate) fn alternatives(names: &[impl AsRef<str>]) -> String {
     let names: Vec<&str> = names.iter().map(AsRef::as_ref).collect();
     match names.split_last() {
-        Some((last, [])) => format!("expected {last}"),
-        Some((last, others)) => format!("expected {} or {last}", others.join(", ")),
-        None => String::new(),
+        Some((last, others)) if !others.is_empty() => format!("{} or {last}", others.join(", ")),
+        _ => names.concat(),
     }
 }
 

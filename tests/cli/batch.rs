@@ -54,6 +54,7 @@ fn a_failure_does_not_stop_the_others_and_the_rest_is_resumed() {
         "hint: ",
         "2 done, 0 skipped (done before), 1 failed",
         "1 of 3 jobs failed",
+        "hint: mend what the errors say, then run the same again",
     ] {
         assert!(run.stderr.contains(said), "{}", run.stderr);
     }

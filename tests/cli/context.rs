@@ -344,7 +344,7 @@ fn what_cannot_be_filled_is_refused() {
     fails("whole.lib.json photo.lib.json --map photo.png --context half.svg --region region.svg", 2, "--map");
     fails("whole.lib.json photo.lib.json --context half.svg --region region.svg", 2, "a single library");
     let photograph = folder.run("synth photo.lib.json -o x.svg --context half.svg --region region.svg");
-    photograph.fails(2, "method = curves is out of range: for a drawing");
+    photograph.fails(2, "method = curves cannot be used here: it works for a drawing");
 }
 
 /// Twelve leaves and discs with a dot each, on a page that repeats.
@@ -409,5 +409,5 @@ fn elements_fit_to_those_that_stand() {
     assert!((0.75..1.25).contains(&(count / wanted)), "{count} {wanted}");
     folder.write("speck.svg", svg_of([720, 540], r#"<circle cx="350" cy="270" r="2"/>"#));
     let speck = "synth leaves.lib.json --context whole.svg --region speck.svg -o x.svg --seed 1";
-    folder.run(speck).fails(2, "a shape large enough for elements");
+    folder.run(speck).fails(2, "large enough for elements");
 }

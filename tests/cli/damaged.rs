@@ -11,12 +11,13 @@ fn value() -> Value {
 fn broken_invariants_are_named() {
     let folder = Folder::new();
     type Change = fn(&mut Value);
-    let changes: [(Change, &str); 19] = [
+    let changes: [(Change, &str); 20] = [
         (|v| v["version"] = json!(3), "version 3; this vtex reads version 2"),
         (|v| v["format"] = json!("vtex-something"), "vtex-something"),
         (|v| v["coverage"] = json!(1.5), "coverage = 1.5"),
         (|v| v["coverage"] = json!(null), "null"),
         (|v| v["extra"] = json!(1), "unknown field `extra`"),
+        (|v| v["source"]["parameters"] = json!(7), "parameters: found integer `7`, expected an object"),
         (|v| v["elements"][0]["category"] = json!(60000), "elements[0].category is 60000"),
         (|v| v["layers"][2]["instances"][0] = json!(4_000_000), "instances[0].element is 4000000"),
         (|v| v["layers"][1]["name"] = json!("primary"), "layers[2].name 'primary' is empty or used twice"),

@@ -460,7 +460,8 @@ fn a_texture_is_made_again_from_what_it_says() {
     folder.run("texture photo.png --again a.svg -o f.svg").fails(1, "is not the file of --density");
     folder.run("analyze photo.png").succeeds();
     folder.run("synth photo.lib.json --size 40 -o g.svg").succeeds();
-    for other in ["g.svg", "photo.png", "photo.lib.json"] {
+    folder.run("texture photo.png --again g.svg").fails(1, "another command than 'vtex texture' wrote it");
+    for other in ["photo.png", "photo.lib.json"] {
         folder.run(&format!("texture photo.png --again {other}")).fails(1, "does not say how it was made");
     }
 }

@@ -264,7 +264,16 @@ fn messages_say_what_is_wrong_in_a_line() {
         let run = folder.run(arguments).fails(1, message);
         assert!(run.stderr.contains(hint), "{arguments}: {}", run.stderr);
         assert!(run.stderr.lines().count() <= 2, "{}", run.stderr);
-        for inner in ["ChunkType", "entity not found", "failed to fill", "parsing failed cause", "{"] {
+        for inner in [
+            "ChunkType",
+            "entity not found",
+            "failed to fill",
+            "parsing failed cause",
+            "{",
+            "Format error",
+            "deflate",
+            "struct ",
+        ] {
             assert!(!run.stderr.contains(inner), "{arguments}: {}", run.stderr);
         }
     }
@@ -342,6 +351,10 @@ fn what_was_meant_is_guessed() {
         ("texture photo.png out.svg", "give the output with -o, as in -o out.svg"),
         ("texture photo.png --width 500", "--size 1000x600"),
         ("edit a.scene.json --op tint red", "put the operation in quotes: --op \"tint red\""),
+        ("recolor a.svg", "vtex edit SCENE --op \"recolor --from"),
+        ("colour a.svg", "vtex edit SCENE --op \"recolor --from"),
+        ("palette a.svg", "vtex edit SCENE --op \"palette "),
+        ("raster photo.png -o a.svg", "hint: give --output a name that ends in .png\n"),
     ] {
         let run = folder.run(line).fails(2, "");
         assert!(
@@ -390,6 +403,11 @@ fn an_svg_says_what_it_is_and_where_its_scene_comes_from() {
     let run: Run = folder.command("edit out.svg --op").arg("thin 0.5").output().unwrap().into();
     let run = run.fails(1, "holds an SVG, not a scene");
     assert!(run.stderr.contains("vtex texture PHOTO --again out.svg -o out.scene.json"), "{}", run.stderr);
+    folder.run("analyze photo.png --seed 5").succeeds();
+    folder.run("synth photo.lib.json -o made.svg --size 60 --seed 5").succeeds();
+    let run = folder.run("edit made.svg --op flatten").fails(1, "holds an SVG, not a scene");
+    let hint = "repeat the command that wrote it, with --seed 5 -o made.scene.json";
+    assert!(run.stderr.contains(hint) && !run.stderr.contains("--again"), "{}", run.stderr);
     folder.write("plain.svg", "<svg xmlns='http://www.w3.org/2000/svg' width='9' height='9'/>");
     folder.run("inspect plain.svg").fails(1, "does not say how it was made");
 }
@@ -478,6 +496,41 @@ fn a_texture_without_elements_is_warned_of() {
     assert!(run.stderr.contains("0 elements in 0 categories, elements cover 0 %"), "{}", run.stderr);
     let run = folder.run("synth line.lib.json --size 200 --seed 1 -o some.svg").succeeds();
     assert!(!run.stderr.contains("warning") && run.stderr.contains("in 1 category"), "{}", run.stderr);
+    // Without --method, nobody is told to leave it out.
+    let run = folder.run("synth line.lib.json --rotate 20 --size 200 --seed 1 -o turned.svg").succeeds();
+    assert!(run.stderr.contains("hint: leave out --rotate, --mirror"), "{}", run.stderr);
+    folder.write("none.masks.png", encode(&GrayImage::new(96, 80).into(), ImageFormat::Png));
+    let run = folder.run("texture photo.png --masks none.masks.png --size 60 --seed 1 -o a.svg").succeeds();
+    assert!(run.stderr.contains("no primary element was found"), "{}", run.stderr);
+    assert!(!run.stderr.contains("leave out --method"), "{}", run.stderr);
+}
+
+#[test]
+fn a_picture_that_is_drawn_as_it_is_has_no_warning_of_placing() {
+    let folder = Folder::new();
+    let photo = image::load_from_memory(&folder.read("photo.png")).unwrap().crop_imm(0, 0, 48, 48);
+    folder.write("small.png", encode(&photo, ImageFormat::Png));
+    let placed = folder.run("texture small.png --seed 1 --size 50 --wrap=off -o a.svg").succeeds();
+    assert!(placed.stderr.contains("repetition will show"), "{}", placed.stderr);
+    let drawn = folder.run("vectorize small.png --seed 1 -o b.svg").succeeds();
+    assert!(!drawn.stderr.contains("warning"), "{}", drawn.stderr);
+}
+
+#[test]
+fn an_svg_is_recognised_behind_a_long_comment() {
+    let folder = Folder::new();
+    let svg = "<svg xmlns='http://www.w3.org/2000/svg' width='40' height='40'><circle cx='20' cy='20' r='6'/></svg>";
+    folder.write("a.svg", format!("<?xml version='1.0'?><!-- {} -->{svg}", "long > ".repeat(9000)));
+    folder.run("analyze a.svg").succeeds();
+    folder.run("render a.svg -o a.png").succeeds();
+    let pack = |bytes: &[u8]| {
+        let mut packed = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+        std::io::Write::write_all(&mut packed, bytes).unwrap();
+        packed.finish().unwrap()
+    };
+    folder.write("a.svgz", pack(&folder.read("a.svg")));
+    folder.run("render a.svgz -o b.png").succeeds();
+    assert!(folder.read("a.png") == folder.read("b.png"));
 }
 
 #[test]

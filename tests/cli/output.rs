@@ -200,7 +200,8 @@ fn a_limit_of_bytes_is_kept_and_what_it_cost_is_told() {
     let most = folder.read("whole.pdf").len() * 9 / 10;
     let run = folder.run(&format!("{fine} -o small.pdf --max-bytes {most} --json")).succeeds();
     assert!(folder.read("small.pdf").len() <= most && run.json().get("given_up").is_some());
-    folder.run(&format!("{fine} -o tiny.pdf --max-bytes 1")).fails(1, "the smallest has ");
+    let run = folder.run(&format!("{fine} -o tiny.pdf --max-bytes 1")).fails(1, "no PDF of the scene fits");
+    assert!(!run.stderr.contains("svg"), "{}", run.stderr);
 
     // A quarter of the bytes takes coarser outlines, most details, a coarser background, and says so.
     let most = folder.read("a.svg").len() / 4;

@@ -9,31 +9,42 @@ const DOUBTFUL: f64 = 0.36;
 /// With fewer whole elements, repetition is visible.
 const FEW: usize = 30;
 
-/// Adds warnings about the masks of a photograph and the primaries made of them.
-pub(super) fn about(masks: &[ScoredMask], primaries: &[ExemplarElement], warnings: &mut Vec<String>) {
-    let placed = primaries.iter().filter(|p| !p.clipped).count();
+/// A warning about primaries that are placed anew, of which few or none are whole.
+pub(super) fn about_placing(primaries: &[ExemplarElement]) -> Option<String> {
+    let whole = whole(primaries);
+    match whole {
+        _ if primaries.is_empty() => None,
+        0 => Some(
+            "the border cuts every primary element, so none can be placed whole (use a larger photograph)"
+                .into(),
+        ),
+        1..FEW => Some(format!(
+            "only {whole} primary elements can be placed: repetition will show (use a larger photograph)"
+        )),
+        _ => None,
+    }
+}
+
+/// A warning about the masks of a photograph and the primaries made of them.
+pub(super) fn about_masks(masks: &[ScoredMask], primaries: &[ExemplarElement]) -> Option<String> {
     if primaries.is_empty() {
-        warnings.push(
+        return Some(
             "no primary element was found: the result holds background and secondaries only \
              (try another segmenter, masks of your own, or a photograph with distinct elements)"
                 .into(),
         );
-    } else if placed == 0 {
-        warnings.push(
-            "every primary element is cut by the border: none can be placed (use a larger photograph)".into(),
-        );
-    } else if placed < FEW {
-        warnings.push(format!(
-            "only {placed} primary elements can be placed: repetition will show (use a larger photograph)"
-        ));
     }
-    if let Some(score) = mean_score(masks).filter(|&score| score < DOUBTFUL && placed > 0) {
-        warnings.push(format!(
-            "the masks are doubtful (mean score {score:.2} of 1), so elements may be pieces, or several at once, \
-             and the result may look unlike the photograph (look at the masks and correct them, or try another \
-             segmenter)"
-        ));
-    }
+    let score = mean_score(masks).filter(|&score| score < DOUBTFUL && whole(primaries) > 0)?;
+    Some(format!(
+        "the masks are doubtful (mean score {score:.2} of 1), so elements may be pieces, or several at once, \
+         and the result may look unlike the photograph (look at the masks and correct them, or try another \
+         segmenter)"
+    ))
+}
+
+/// Number of primaries that the border does not cut.
+fn whole(primaries: &[ExemplarElement]) -> usize {
+    primaries.iter().filter(|p| !p.clipped).count()
 }
 
 /// Mean score of masks, weighted by area; `None` if they are empty.
@@ -57,9 +68,7 @@ mod tests {
         };
         let primaries = library(&mosaic(150, 14.0, 0.8, 1)).primaries().to_vec();
         let warned = |masks: &[ScoredMask], primaries: &[ExemplarElement]| {
-            let mut warnings = Vec::new();
-            about(masks, primaries, &mut warnings);
-            warnings.join("\n")
+            about_placing(primaries).into_iter().chain(about_masks(masks, primaries)).collect::<String>()
         };
         assert_eq!(warned(&[mask(10, 0.9), mask(3, 0.1)], &primaries), "");
         // Large masks count for more.
@@ -67,6 +76,8 @@ mod tests {
         assert!(doubtful.contains("mean score 0.34 of 1") && doubtful.contains("segmenter"), "{doubtful}");
         let few: Vec<ExemplarElement> = primaries.iter().filter(|p| !p.clipped).take(12).cloned().collect();
         assert!(warned(&[mask(5, 0.9)], &few).contains("only 12 primary elements"));
+        let cut: Vec<ExemplarElement> = primaries.iter().filter(|p| p.clipped).cloned().collect();
+        assert!(warned(&[mask(5, 0.9)], &cut).contains("the border cuts every primary element"));
         assert!(warned(&[], &[]).contains("no primary element"));
     }
 }

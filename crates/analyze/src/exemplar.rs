@@ -114,7 +114,8 @@ impl Exemplar {
         if image.pixels().all(|p| p.0 == first) {
             let colour = vtex_base::raster::colour::Colour(first);
             let reason = format!("every pixel has the colour {colour}, there is no texture to see");
-            return Err(Error::Unusable { name: name.into(), reason });
+            let advice = "use a photograph that shows more than one colour";
+            return Err(Error::Unusable { name: name.into(), reason, advice });
         }
         Ok(Self { image, copies: [1; 2], file: name.into(), sha256, layers: None, warnings: Vec::new() })
     }
@@ -142,7 +143,7 @@ fn check_size(image: &RgbImage, least: u32, name: &str) -> Result<()> {
         return Ok(());
     }
     let reason = format!("it has {width} x {height} pixels, at least {least} x {least} are needed");
-    Err(Error::Unusable { name: name.into(), reason })
+    Err(Error::Unusable { name: name.into(), reason, advice: "use a larger picture" })
 }
 
 fn sha256(bytes: &[u8]) -> String {

@@ -200,9 +200,14 @@ fn analyze_whole(
     let shapes = shapes::outlines(&partition, &pieces);
     advance(progress, "categories", 0, 1)?;
     let elements = partition.elements(shapes);
-    doubts::about(&masks, &elements.primaries, &mut warnings);
-    for warning in &warnings {
-        progress.warn(warning);
+    warnings.iter().for_each(|warning| progress.warn(warning));
+    if let Some(warning) = doubts::about_placing(&elements.primaries) {
+        progress.warn_of_placing(&warning);
+        warnings.push(warning);
+    }
+    if let Some(warning) = doubts::about_masks(&masks, &elements.primaries) {
+        progress.warn(&warning);
+        warnings.push(warning);
     }
     let source = Source { warnings, ..source(exemplar, segmenter, params) };
     let lattice = memory.map(|memory| &mut memory.lattice);

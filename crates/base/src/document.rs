@@ -3,8 +3,11 @@
 //! Reading validates: afterwards every index is in range, every number finite and every run-length code adds
 //! up, so no later stage checks again.
 
+mod json_fault;
+
 use crate::error::{Error, Result, clip, clip_to};
 use crate::gzip;
+use json_fault::in_plain_words;
 use serde::de::{DeserializeOwned, DeserializeSeed, IgnoredAny, MapAccess, Visitor};
 use serde::{Deserializer, Serialize};
 use std::borrow::Cow;
@@ -72,7 +75,7 @@ pub fn from_bytes<'a, T: Document>(bytes: impl Into<Cow<'a, [u8]>>, name: &str) 
     let fail = |reason: String| Error::Format { name: name.into(), format: T::FORMAT, reason };
     let json = gzip::unpack(bytes, u64::MAX).map_err(fail)?;
     // Name and version first, so that another format is distinguished from a damaged file.
-    let header = Header::of(&json).map_err(|e| fail(e.to_string()))?;
+    let header = Header::of(&json).map_err(|e| fail(fault(&json, &e)))?;
     match header.format.as_deref() {
         Some(f) if f == T::FORMAT => {}
         Some(f) => return Err(fail(format!("its format is '{}'", clip(f)))),
@@ -85,17 +88,22 @@ pub fn from_bytes<'a, T: Document>(bytes: impl Into<Cow<'a, [u8]>>, name: &str) 
     }
     let json = without_seal(json);
     let parse = |json: &[u8]| serde_json::from_slice(json);
-    let elsewhere = || Some(parse(&without_seal_elsewhere(&json)?));
-    let read = parse(&json)
-        .or_else(|e| if ends_at_seal(&json, &e) { elsewhere().unwrap_or(Err(e)) } else { Err(e) });
-    // An unbalanced brace before the seal makes it a field of another object.
-    let read = read.map_err(|e| {
-        let braces = ends_at_seal(&json, &e).then(|| braces(&json)).flatten();
-        braces.unwrap_or_else(|| in_short(&without_list(e.to_string())))
-    });
+    let read = match parse(&json) {
+        Err(e) if ends_at_seal(&json, &e) => match without_seal_elsewhere(&json) {
+            Some(json) => parse(&json).map_err(|e| fault(&json, &e)),
+            // An unbalanced brace before the seal makes it a field of another object.
+            None => Err(braces(&json).unwrap_or_else(|| fault(&json, &e))),
+        },
+        read => read.map_err(|e| fault(&json, &e)),
+    };
     let document: T = read.map_err(fail)?;
     document.validate().map_err(fail)?;
     Ok(document)
+}
+
+/// The message about a fault of a document.
+fn fault(json: &[u8], error: &serde_json::Error) -> String {
+    in_short(&in_plain_words(json, error))
 }
 
 /// Whether reading stopped at the name of a seal, which is no field of a document.

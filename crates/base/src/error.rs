@@ -69,6 +69,8 @@ pub enum Error {
         name: String,
         /// Why.
         reason: String,
+        /// A hint, as [`Error::hint`] gives it.
+        advice: &'static str,
     },
     /// A library, scene or mask file does not follow its format.
     #[error("'{name}' is not a valid {format} file: {reason}")]
@@ -92,14 +94,14 @@ pub enum Error {
         /// The version known.
         known: u64,
     },
-    /// A parameter lies outside its range.
-    #[error("{name} = {value} is out of range: {allowed}")]
+    /// A parameter lies outside its range, or a method does not suit what it is for.
+    #[error("{}", refused(name, value, allowed))]
     Parameter {
         /// The parameter, with hyphens between words.
         name: &'static str,
         /// The value given.
         value: String,
-        /// The range allowed.
+        /// The range allowed; of a method, what it works for, as in `for a single library`.
         allowed: Cow<'static, str>,
     },
     /// A texture that repeats has no room for whole periods of the lattice.
@@ -115,8 +117,8 @@ pub enum Error {
     },
     /// The size of a texture that repeats is not a whole number of periods of its drawing.
     #[error(
-        "size = {}x{} (the drawing repeats every {}x{} px; {}x{} is near) is out of range: \
-         a whole number of the drawing's periods where it is to repeat without a seam",
+        "a texture of {} x {} px that repeats does not hold whole periods of the drawing, {} x {} px each: {} x {} px \
+         does",
         size[0], size[1], period[0], period[1], near[0], near[1]
     )]
     DrawingPeriods {
@@ -220,8 +222,10 @@ pub enum Error {
         fault: EditFault,
     },
     /// No reduction makes a file small enough.
-    #[error("no SVG of the scene fits in {most} bytes: the smallest has {smallest}")]
+    #[error("no {file} of the scene fits in {most} bytes: the smallest has {smallest}")]
     MaxBytes {
+        /// The kind of file, such as `SVG`.
+        file: &'static str,
         /// The bytes allowed.
         most: u64,
         /// The bytes of the smallest.
@@ -235,8 +239,12 @@ pub enum Error {
 pub enum Large {
     /// A file of any kind.
     File,
-    /// A picture that is read or drawn.
+    /// A picture that is read.
     Picture,
+    /// A picture that is drawn.
+    Drawn,
+    /// A picture that is redrawn in elements.
+    Redrawn,
     /// A drawing: its text, its shapes or their curves.
     Drawing,
     /// The canvas of a texture.
@@ -360,6 +368,8 @@ impl Error {
                 Large::File => "no file of vtex is as large: is it the right one?",
                 Large::Picture => "scale it down first, or crop a part of it",
                 Large::Drawing => "simplify it in the program that made it, or leave a part of it out",
+                Large::Drawn => "draw it at a smaller scale",
+                Large::Redrawn => "ask for larger elements, or for a smaller canvas",
                 Large::Canvas => "ask for a smaller canvas",
             }
             .into(),
@@ -368,17 +378,12 @@ impl Error {
                 "turn it into plain shapes in the program that made it, or delete it".into()
             }
             Self::OtherLibrary { .. } => "give the libraries that the scene was made from".into(),
-            Self::Unusable { .. } => {
-                "use a photograph of at least 32 x 32 pixels that shows the texture from above, or a tile of at least \
-                 4 x 4 pixels"
-                    .into()
-            }
             Self::Version { found, known, .. } if found > known => {
                 "a newer vtex wrote it: update vtex, or write the file again with this version".into()
             }
             Self::Version { .. } => "write the file again with this version of vtex".into(),
             Self::Cages(_) => "draw the second by moving the points of a copy of the first".into(),
-            Self::Control { advice, .. } => (*advice).into(),
+            Self::Control { advice, .. } | Self::Unusable { advice, .. } => (*advice).into(),
             Self::Runtime { .. } => "'pip install onnxruntime' brings it".into(),
             Self::Engine { .. } => "is the file complete? Another engine may run it".into(),
             Self::Network { advice, .. } if !advice.is_empty() => (*advice).into(),
@@ -401,6 +406,15 @@ impl From<Error> for std::io::Error {
 fn ends_as_svg(name: &str) -> bool {
     let name = name.to_ascii_lowercase();
     name.ends_with(".svg") || name.ends_with(".svgz")
+}
+
+/// The message about a parameter. Only numbers have a range.
+fn refused(name: &str, value: &str, allowed: &str) -> String {
+    match name {
+        "method" => format!("method = {value} cannot be used here: it works {allowed}"),
+        "canvas" | "region" => format!("{name} = {value} is too small: it must be {allowed}"),
+        _ => format!("{name} = {value} is out of range: {allowed}"),
+    }
 }
 
 /// An error naming the parameter unless `ok`.
@@ -438,4 +452,17 @@ pub fn clip(text: &str) -> String {
 /// As [`clip`], with a number of characters.
 pub fn clip_to(text: &str, characters: usize) -> String {
     text.chars().take(characters).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_numbers_are_out_of_range() {
+        let said = |name, value| check(false, name, value, "for a drawing").unwrap_err().to_string();
+        assert_eq!(said("scale", "7"), "scale = 7 is out of range: for a drawing");
+        assert_eq!(said("method", "curves"), "method = curves cannot be used here: it works for a drawing");
+        assert_eq!(said("region", "3 x 4 px"), "region = 3 x 4 px is too small: it must be for a drawing");
+    }
 }

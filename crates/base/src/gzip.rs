@@ -2,7 +2,7 @@
 
 use flate2::read::GzDecoder;
 use std::borrow::Cow;
-use std::io::Read;
+use std::io::{ErrorKind, Read};
 
 /// Number of unpacked bytes that is always allowed.
 const ALWAYS: u64 = 64_000_000;
@@ -27,7 +27,10 @@ pub fn unpack<'a>(bytes: impl Into<Cow<'a, [u8]>>, limit: u64) -> Result<Cow<'a,
     let most = ALWAYS.max(RATIO * bytes.len() as u64);
     let mut unpacked = Vec::new();
     let read = GzDecoder::new(&*bytes).take(limit.min(most + 1)).read_to_end(&mut unpacked);
-    read.map_err(|e| format!("damaged gzip data: {e}"))?;
+    read.map_err(|e| match e.kind() {
+        ErrorKind::UnexpectedEof => "damaged gzip data: the file ends in the middle".to_owned(),
+        _ => "damaged gzip data".to_owned(),
+    })?;
     if unpacked.len() as u64 > most {
         return Err(format!("it unpacks to more than {} MB, over {RATIO} times its size", most / 1_000_000));
     }

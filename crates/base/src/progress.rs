@@ -21,6 +21,11 @@ pub trait Progress: Sync {
         let _ = message;
     }
 
+    /// As [`Progress::warn`], of something that shows only where the elements of an exemplar are placed anew.
+    fn warn_of_placing(&self, message: &str) {
+        self.warn(message);
+    }
+
     /// Offers a picture of an intermediate result; `draw` makes it. `name` is a file stem such as
     /// `categories`. Nothing is drawn unless an implementation calls `draw`.
     fn picture(&self, name: &str, draw: &dyn Fn() -> RgbImage) {

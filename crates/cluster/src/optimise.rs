@@ -50,7 +50,7 @@ const LINKS: f64 = 4.0;
 /// Most samples of the result: levels with more are left out.
 const MOST_SAMPLES: f64 = 20_000.0;
 /// Most elements of the exemplar, repeated to the size of a few neighbourhoods, and of the result.
-const MOST_PLACES: usize = 50_000;
+const MOST_PLACES: f64 = 50_000.0;
 const MOST_ELEMENTS: f64 = 400_000.0;
 
 /// What is to be made.
@@ -306,27 +306,26 @@ fn check(own: &ClusterExemplar, params: &ClusterParams, (unit, least): (f64, f64
     let places = own.places.len() as f64 * times(0) * times(1);
     let count = own.places.len() as f64 * params.size[0] * params.size[1] * unit * unit / page.area();
     let small = (0..2).any(|k| params.tile[k] && params.size[k] * unit < least.min(2.0 * page.size[k]) * 0.5);
-    let (found, limit) = if places > MOST_PLACES as f64 {
-        (
-            format!(
-                "a drawing of {} elements that has to be repeated {} times",
-                own.places.len(),
-                times(0) * times(1)
-            ),
-            format!("{MOST_PLACES} elements in all copies"),
-        )
-    } else if count > MOST_ELEMENTS {
-        (format!("about {count:.0} elements"), format!("{MOST_ELEMENTS:.0}"))
-    } else if small {
-        return Err(Error::Parameter {
-            name: "size",
-            value: format!("{}x{}", params.size[0], params.size[1]),
-            allowed: "large enough for the largest element of the drawing to stand beside itself".into(),
-        });
-    } else {
-        return Ok(());
+    let too_large = |what, name: &str, found: String, most: f64| {
+        let limit = format!("{} thousand elements", most / 1e3);
+        Err(Error::TooLarge { what, name: name.into(), found, limit })
     };
-    Err(Error::TooLarge { what: Large::Canvas, name: "size".into(), found, limit })
+    if places > MOST_PLACES {
+        let found = format!("{} elements that are repeated {} times", own.places.len(), times(0) * times(1));
+        return too_large(Large::Drawing, "the drawing", found, MOST_PLACES);
+    }
+    if count > MOST_ELEMENTS {
+        let found = format!("about {:.0} thousand elements", count / 1e3);
+        return too_large(Large::Canvas, "size", found, MOST_ELEMENTS);
+    }
+    if small {
+        return Err(Error::Parameter {
+            name: "canvas",
+            value: format!("{} x {} px", params.size[0], params.size[1]),
+            allowed: "large enough for the largest element of the drawing beside a copy of itself".into(),
+        });
+    }
+    Ok(())
 }
 
 /// The canvas with a margin along axes that do not repeat. It always repeats: what is beside it on one side is beside

@@ -425,7 +425,7 @@ fn poor_exemplars_give_a_result_or_a_clear_error() {
     let nothing = of(&[&square], vec![FigurePlace { placeable: false, ..place(0, 100.0, 100.0) }]);
     assert_eq!(run(&nothing, &params(500.0, false)), ClusterResult::default());
     let refused = cluster(&large, &params(120.0, true), &|| Ok(()));
-    assert!(matches!(refused, Err(Error::Parameter { name: "size", .. })), "{refused:?}");
+    assert!(matches!(refused, Err(Error::Parameter { name: "canvas", .. })), "{refused:?}");
     let refused = cluster(&one, &params(4e6, false), &|| Ok(()));
     assert!(matches!(refused, Err(Error::TooLarge { .. })), "{refused:?}");
 }

@@ -240,8 +240,8 @@ impl LevelScales {
             return Err(Error::TooLarge {
                 what: Large::Canvas,
                 name: "size".into(),
-                found: format!("curves of about {:.0} samples", expected(1.0)),
-                limit: format!("{MOST_SAMPLES:.0}"),
+                found: format!("curves of about {:.0} million samples", libm::ceil(expected(1.0) / 1e6)),
+                limit: format!("{:.0} million", MOST_SAMPLES / 1e6),
             });
         }
         Ok(LEVELS.iter().filter(|l| expected(**l) <= MOST_OPTIMISED).map(|l| self.of(*l)).collect())

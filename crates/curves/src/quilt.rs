@@ -170,9 +170,9 @@ pub fn quilted_cells(
     let found = own.traced((&placed, plane), &scale, (params, by), go_on)?;
     if found.is_empty() {
         return Err(Error::Parameter {
-            name: "size",
-            value: format!("{} x {}", params.size[0], params.size[1]),
-            allowed: format!("a canvas on which cells of {:.0} fit", 2.0 * scale.reach).into(),
+            name: "canvas",
+            value: format!("{} x {} px", params.size[0], params.size[1]),
+            allowed: format!("large enough for cells of {:.0} px", 2.0 * scale.reach).into(),
         });
     }
     Ok(found)

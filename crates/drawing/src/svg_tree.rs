@@ -4,12 +4,14 @@
 //! not read. Documents that would take the parser hours or overflow its stack are refused beforehand, and a
 //! panic of the libraries that parse and draw becomes an error.
 
+mod beginning;
 mod bounds;
 mod cost;
 mod markup;
 mod stops;
 mod unfolding;
 
+pub(crate) use beginning::is_svg;
 pub use bounds::{ids, referred, uses, weights};
 pub use unfolding::MOST_ELEMENTS;
 
@@ -23,9 +25,6 @@ use vtex_base::gzip;
 
 /// Largest SVG read, unpacked, in bytes.
 const LARGEST_TEXT: usize = 1 << 30;
-
-/// Number of bytes in which an SVG is recognised.
-const HEAD: usize = 4096;
 
 /// Largest coordinate of a shape, in pixels of the picture: curves beyond some 10⁹ cannot be drawn.
 const FURTHEST: f32 = 1e8;
@@ -48,25 +47,12 @@ pub struct SvgFault {
 /// Advice where bytes are no SVG.
 pub const COMPLETE: &str = "it must be an SVG or SVGZ; is the file complete?";
 /// Advice for parts that are beyond the limits.
-const SHAPES: &str = "turn it into plain shapes in the program that made it";
-
-/// Advice for what is too much to draw.
-const SMALLER: &str = "turn it into plain shapes in the program that made it, or ask for a smaller picture";
+pub const SHAPES: &str = "turn it into plain shapes in the program that made it";
 
 impl From<String> for SvgFault {
     fn from(reason: String) -> Self {
         Self { reason, advice: COMPLETE }
     }
-}
-
-/// Whether bytes, plain or gzip, begin as an SVG does, in UTF-16 too, which [`text`] then refuses.
-pub(crate) fn is_svg(bytes: &[u8]) -> bool {
-    let head = gzip::beginning(bytes, HEAD);
-    let wide = matches!(head.get(..2), Some([0xff, 0xfe] | [0xfe, 0xff]));
-    let of_wide = |head: &[u8]| head.iter().copied().filter(|b| b.is_ascii() && *b != 0).collect();
-    let head: Vec<u8> = if wide { of_wide(&head) } else { head.into_owned() };
-    let text = String::from_utf8_lossy(&head);
-    text.trim_start_matches('\u{feff}').trim_start().starts_with('<') && text.contains("<svg")
 }
 
 /// Parses an SVG or SVGZ; `name` appears in errors.
@@ -191,9 +177,8 @@ fn fault(document: &roxmltree::Document<'_>, error: usvg::Error) -> SvgFault {
             (reason, r#"the root of an SVG is <svg xmlns="http://www.w3.org/2000/svg">"#)
         }
         ElementsLimitReached | ParsingFailed(NodesLimitReached) => {
-            let most = MOST_ELEMENTS;
             let reason =
-                format!("its references lead back to themselves, or unfold to more than {most} elements");
+                "its references lead back to themselves, or unfold to more than a million elements".into();
             (reason, "replace its <use> elements by copies of what they show")
         }
         InvalidSize => {
@@ -230,7 +215,7 @@ pub fn draw(
 ) -> Result<(), SvgFault> {
     let scale = transform.sx.abs().max(transform.sy.abs());
     if furthest(tree) * scale > FURTHEST {
-        let reason = "it has a shape that reaches further than can be drawn".into();
+        let reason = "it has a shape or a filter that reaches further than can be drawn".into();
         return Err(SvgFault { reason, advice: "delete what lies far outside the page" });
     }
     let [any, each] = MOST_TIME;
@@ -242,12 +227,12 @@ pub fn draw(
     let cost = DrawingCost::of(tree.root(), transform, canvas, most);
     if cost.memory > most.memory {
         let reason = "its layers, patterns or masks would take more than a gigabyte of memory".into();
-        return Err(SvgFault { reason, advice: SMALLER });
+        return Err(SvgFault { reason, advice: SHAPES });
     }
     if cost.time > most.time {
         let reason =
             "its filters, patterns, layers, dashes or crossings would take more than ten seconds".into();
-        return Err(SvgFault { reason, advice: SMALLER });
+        return Err(SvgFault { reason, advice: SHAPES });
     }
     caught(|| resvg::render(tree, transform, &mut picture.as_mut())).map_err(|said| panicked("drawn", &said))
 }
@@ -273,7 +258,22 @@ fn furthest(tree: &usvg::Tree) -> f32 {
             .into_iter()
             .fold(0.0, |most: f32, v| most.max(v.abs()))
     };
-    roots(tree).map(reach).fold(0.0, f32::max)
+    let filters = tree.filters().iter().map(|filter| filter_reach(filter));
+    roots(tree).map(reach).chain(filters).fold(0.0, f32::max)
+}
+
+/// Largest distance in what the steps of a filter do.
+fn filter_reach(filter: &usvg::filter::Filter) -> f32 {
+    use usvg::filter::Kind;
+    let of_step = |step: &usvg::filter::Primitive| match step.kind() {
+        Kind::Offset(o) => [o.dx(), o.dy(), 0.0, 0.0],
+        Kind::DropShadow(s) => [s.dx(), s.dy(), s.std_dev_x().get(), s.std_dev_y().get()],
+        Kind::GaussianBlur(b) => [b.std_dev_x().get(), b.std_dev_y().get(), 0.0, 0.0],
+        Kind::Morphology(m) => [m.radius_x().get(), m.radius_y().get(), 0.0, 0.0],
+        Kind::DisplacementMap(d) => [d.scale(), 0.0, 0.0, 0.0],
+        _ => [0.0; 4],
+    };
+    filter.primitives().iter().flat_map(of_step).fold(0.0, |most, v| most.max(v.abs()))
 }
 
 #[cfg(test)]
@@ -309,6 +309,8 @@ mod tests {
             r#"<path d="M5 5A9 10000000000000.5 0 0 1 4 4"/>"#,
             r#"<circle r="1E+25"/>"#,
             r#"<rect width="9" height="9" rx="99999999999999999999"/>"#,
+            r#"<filter id="f" height="1e38"><feFlood/></filter><rect width="9" height="9" filter="url(#f)"/>"#,
+            r#"<rect width="9" height="9" filter="blur(1e38)"/>"#,
         ] {
             refused(hostile, "larger than can be drawn");
         }
@@ -395,7 +397,7 @@ mod tests {
             ),
             (r#"<svg xmlns="http://www.w3.org/2000/svg" width="0" height="1"/>"#, "width, height or viewBox"),
             (&deep, "nests more than 1024 elements in one another"),
-            (&round, "unfold to more than 1000000 elements"),
+            (&round, "unfold to more than 1 million elements"),
         ] {
             let found = fault(text);
             assert!(found.reason.contains(reason), "{}: {}", text.get(..60).unwrap_or(text), found.reason);
@@ -414,7 +416,24 @@ mod tests {
         };
         assert!(drawn("<circle r='9'/>").is_ok());
         let far = r#"<clipPath id="c"><path d="M-1e9 -1e9h2e9v2e9h-2e9z"/></clipPath><g clip-path="url(#c)"><circle r="5"/></g>"#;
-        assert!(drawn(far).unwrap_err().reason.contains("reaches further"));
+        let far_step = |step: &str| {
+            format!(r#"<filter id="f">{step}</filter><rect width="40" height="40" filter="url(#f)"/>"#)
+        };
+        for far in [
+            far.to_owned(),
+            far_step(r#"<feOffset dx="1e9"/>"#),
+            far_step(r#"<feMorphology operator="dilate" radius="1e9"/>"#),
+            far_step(r#"<feGaussianBlur stdDeviation="1e9"/>"#),
+            r#"<rect width="40" height="40" filter="blur(1e9)"/>"#.into(),
+        ] {
+            let fault = read(&far)
+                .and_then(|tree| draw(&tree, Transform::identity(), &mut Pixmap::new(90, 90).unwrap(), 1.0));
+            let reason = fault.unwrap_err().reason;
+            assert!(reason.contains("reaches further"), "{far}: {reason}");
+        }
+        let wide = r#"<filter id="f" height="1e11"><feFlood/></filter><rect width="9" height="9" filter="url(#f)"/>"#;
+        assert!(drawn(wide).is_ok());
+        assert!(drawn(&far_step(r#"<feOffset dx="3"/><feGaussianBlur stdDeviation="2"/>"#)).is_ok());
         let slow = |inner: &str| assert!(drawn(inner).unwrap_err().reason.contains("more than ten seconds"));
         let dashed = |length: f64, more: &str| {
             let circle =
@@ -435,6 +454,10 @@ mod tests {
         assert!(drawn(&format!(r#"<path d="M0 0{stairs}"/>"#)).is_ok());
         let octaves = r#"<filter id="f"><feTurbulence numOctaves="99999" baseFrequency=".1"/></filter><circle r="40" filter="url(#f)"/>"#;
         slow(octaves);
+        let merged =
+            format!(r#"<filter id="f"><feMerge>{}</feMerge></filter>"#, "<feMergeNode/>".repeat(2_000));
+        let merged = merged + r#"<rect width="900" height="900" filter="url(#f)"/>"#;
+        assert!(drawn_on(900, &merged).unwrap_err().reason.contains("more than ten seconds"));
     }
 
     /// What drawing content on a page of a size says.
@@ -545,6 +568,26 @@ mod tests {
         }
         let attributes: String = (0..60_000).map(|k| format!("a{k}='1' ")).collect();
         refused(&format!("<rect {attributes}/>"), "more than 1000 attributes");
+        let long = |count: usize| format!(r#"<path id="a" d="M1 1{}"/>"#, "l2 1-1 2".repeat(count));
+        let uses = |count: usize| r##"<use xlink:href="#a"/>"##.repeat(count);
+        let markers = format!(
+            r#"<marker id="m">{}</marker><path fill="none" marker-mid="url(#m)" d="M0 0{}"/>"#,
+            long(1_000),
+            "l1 1-1 1".repeat(10_000)
+        );
+        let in_bounds = |name: &str, units: &str| {
+            let inner = long(1_000);
+            format!(
+                r#"<{name} id="m" width="9" height="9" {name}Units="userSpaceOnUse" {name}ContentUnits="{units}">{inner}</{name}>"#
+            ) + &r#"<rect width="9" height="9" fill="url(#m)" mask="url(#m)"/>"#.repeat(8_000)
+        };
+        let outlines = "have more than 50 million characters";
+        refused(&(long(1_000) + &uses(8_000)), outlines);
+        refused(&markers, outlines);
+        refused(&in_bounds("pattern", "objectBoundingBox"), outlines);
+        refused(&in_bounds("mask", "objectBoundingBox"), outlines);
+        assert!(read(&in_bounds("pattern", "userSpaceOnUse")).is_ok());
+        assert!(read(&(long(1_000) + &uses(1_000))).is_ok());
         // A pattern of many parts in many shapes is no problem.
         let busy = format!(r#"{}{}</pattern>{}"#, pattern(0), eight(""), eight(&fill(0)).repeat(500));
         assert!(read(&busy).is_ok());

@@ -56,12 +56,12 @@ fn picture_size(width: f64, height: f64, scale: f64, name: &str) -> Result<(u32,
     let limit = if w.max(h) > f64::from(side) {
         format!("{side} pixels on each side")
     } else if w * h > LARGEST_PICTURE as f64 {
-        format!("{LARGEST_PICTURE} pixels")
+        format!("{} megapixels", LARGEST_PICTURE / 1_000_000)
     } else {
         return Ok((w as u32, h as u32));
     };
     let found = format!("a picture of {w:.0} x {h:.0} pixels");
-    Err(Error::TooLarge { what: Large::Picture, name: name.into(), found, limit })
+    Err(Error::TooLarge { what: Large::Drawn, name: name.into(), found, limit })
 }
 
 /// The title of a file: which exemplars the texture comes from.

@@ -50,7 +50,7 @@ pub fn render_page(scene: &Scene, scale: f64, progress: &dyn Progress) -> Result
 fn drawn(scene: &Scene, (width, height): (u32, u32), progress: &dyn Progress) -> Result<Pixmap> {
     scene.check()?;
     let mut pixmap = Pixmap::new(width, height).ok_or_else(|| Error::TooLarge {
-        what: Large::Picture,
+        what: Large::Drawn,
         name: "scene".into(),
         found: format!("a picture of {width} x {height} pixels"),
         limit: "what one picture in memory can hold".into(),

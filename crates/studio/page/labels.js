@@ -10,7 +10,7 @@ const LABELS = {
   "edge": "Elements at the edge of the shape: keep, clip or avoid them",
   "exclude": "Categories to leave out, with commas between",
   "candidates": "Elements compared per position",
-  "moves": "One-cell moves tried to improve each placement",
+  "moves": "Maximum moves to a better position, for each element",
   "rotate": "Largest random turn of an element",
   "scale-jitter": "Largest random change of size",
   "mirror": "Mirror half of the elements",

@@ -90,9 +90,11 @@ def synthesize(
         everywhere. ``"off"`` keeps none. Numbers are one or two vectors in pixels of the exemplar, x before y. Each is
         at least 4 pixels long.
     candidates : int, default 20
-        Number of elements compared for each position, with the method ``"descriptor"``, 1 to 1000.
+        Number of elements compared for each position, with the method ``"descriptor"``, 1 to 1000. Half as many are
+        compared for each gap that is filled, with ``"descriptor"`` and ``"correspondence"``.
     moves : int, default 5
-        Number of one-cell moves tried to improve each placement, 0 to 100.
+        Maximum number of moves to a better position for each element, 0 to 100, with the methods ``"descriptor"`` and
+        ``"correspondence"``.
     weights : sequence of five floats, default (0.5, -0.4, -0.2, -0.5, -0.5)
         Weights of the areas in the score of a placement: target, uncovered, empty, mismatched and same-overlap. Each is
         -10 to 10.

@@ -35,7 +35,7 @@ Examples:
   vtex analyze photo.jpg --masks corrected.png --debug-dir stages"
 )]
 pub(crate) struct AnalyzeArgs {
-    /// The photograph: PNG, JPEG, TIFF, WebP, BMP, GIF or PNM; - reads stdin
+    /// Photograph (PNG, JPEG, TIFF, WebP, BMP, GIF, PNM) or drawing (SVG, SVGZ); - reads stdin
     #[arg(value_name = "PHOTO", required = true)]
     pub(crate) photo: Option<PathBuf>,
     /// Result: .lib.json or .lib.json.gz; - writes JSON to stdout [default: ./PHOTO.lib.json]

@@ -46,7 +46,7 @@ Examples:
   vtex texture photo.jpg -o - --size 400x300 --seed 7 > out.svg"
 )]
 pub(crate) struct TextureArgs {
-    /// The photograph: PNG, JPEG, TIFF, WebP, BMP, GIF or PNM; - reads stdin
+    /// Photograph (PNG, JPEG, TIFF, WebP, BMP, GIF, PNM) or drawing (SVG, SVGZ); - reads stdin
     #[arg(value_name = "PHOTO", required = true)]
     pub(crate) photo: Option<PathBuf>,
     /// Result: .svg, .svgz, .pdf, .png, .scene.json, .scene.json.gz, .lib.json or .lib.json.gz [default:

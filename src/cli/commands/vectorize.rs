@@ -39,7 +39,7 @@ Examples:
   vtex vectorize photo.jpg --colors 12 --max-paths 2000 -o poster.svg"
 )]
 pub(crate) struct VectorizeArgs {
-    /// The photograph: PNG, JPEG, TIFF, WebP, BMP, GIF or PNM; - reads stdin
+    /// Photograph (PNG, JPEG, TIFF, WebP, BMP, GIF, PNM) or drawing (SVG, SVGZ); - reads stdin
     #[arg(value_name = "PHOTO", required = true)]
     pub(crate) photo: Option<PathBuf>,
     /// Result: .svg, .svgz, .pdf, .png, .scene.json or .scene.json.gz [default: ./PHOTO.vector.svg]
@@ -65,8 +65,8 @@ pub(crate) struct VectorizeArgs {
 }
 
 /// Help of `--segmenter` here.
-const SEGMENTER: &str = "Segmenter that finds the elements; auto is regions, which takes a third of \
-     texton's time for an equally good picture [auto, texton, regions, felzenszwalb or sam, default: auto]";
+const SEGMENTER: &str = "Segmenter that finds the elements; auto is regions, which is faster than \
+     texton for an equally good picture [auto, texton, regions, felzenszwalb or sam, default: auto]";
 
 /// The source of masks: a network does not improve the drawing, so the default is without.
 fn without_network(masks: MasksFrom) -> MasksFrom {
@@ -89,9 +89,9 @@ impl Arguments for VectorizeArgs {
         let photo = required(photo)?;
         let targets = targets(output.clone(), &force, &photo, MAKES)?;
         let analysis = Analysis::new(photo, (masks, layer_files), &force, &output, &resolved.parameters)?;
-        // A picture is not tiled.
+        // A picture is not tiled, and nothing in it is placed.
         let masks = without_network(analysis.masks);
-        let mut analysis = Analysis { looks_at_borders: false, masks, ..analysis };
+        let mut analysis = Analysis { looks_at_borders: false, places: false, masks, ..analysis };
         // The picture keeps its light.
         if analysis.parameters.even_light == EvenLight::Auto {
             analysis.parameters.even_light = EvenLight::Off;

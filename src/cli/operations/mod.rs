@@ -6,7 +6,7 @@ mod line;
 mod list;
 #[cfg(test)]
 mod tests;
-mod verb;
+pub(super) mod verb;
 mod words;
 
 #[cfg(feature = "studio")]

@@ -481,3 +481,9 @@ fn colour_or_map(text: &str) -> Result<ColourOrMap, String> {
 fn colour(text: &str) -> Result<Colour, String> {
     vtex::raster::css::colour(text).ok_or_else(|| "expected #rrggbb, #rgb or a name of CSS".into())
 }
+
+/// An example of the operation of a name; `None` if no operation has it.
+pub(in crate::cli) fn example(name: &str) -> Option<String> {
+    let all = <Verb as clap::Subcommand>::augment_subcommands(clap::Command::new("operation"));
+    all.find_subcommand(name)?.get_after_help().map(ToString::to_string)
+}

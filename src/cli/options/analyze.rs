@@ -55,7 +55,7 @@ pub(crate) struct AnalyzeFlags {
     /// Maximum size of a secondary
     #[arg(long, number = AnalyzeParams::SECONDARY_MAXIMUM)]
     pub(crate) secondary_maximum: Option<u32>,
-    /// Number of categories of elements; auto makes as many as the eye distinguishes
+    /// Maximum number of categories of elements; auto makes as many as the eye distinguishes
     #[arg(long, value_name = "NUMBER")]
     #[arg(takes = format!("auto or {}, default: auto", AnalyzeParams::CATEGORIES))]
     pub(crate) categories: Option<Categories>,

@@ -53,17 +53,20 @@ pub(crate) struct SynthFlags {
     #[arg(long, value_name = "METHOD", hide_possible_values = true)]
     #[arg(value_parser = one_of(&["auto", "correspondence", "descriptor", "period", "clustered", "curves"], named::<Method>))]
     pub(crate) method: Option<Method>,
-    /// Share of the free elements of a periodic drawing that vtex moves; 0 repeats the drawing exactly
-    #[arg(long, number_or(SynthParams::VARIATION, "0 for a regular drawing, else 1"), value_name = "SHARE")]
+    /// How freely to rearrange a drawing: by period, the share of movable elements that move; 0 repeats it
+    /// exactly
+    #[arg(long, number_or(SynthParams::VARIATION, "1; by period 0 for most regular drawings"))]
+    #[arg(value_name = "SHARE")]
     pub(crate) variation: Option<f64>,
     /// Rows or lattice that the texture follows: as found in the exemplar, none, or one or two steps in its
     /// pixels [auto, off, or AX,AY or AX,AY,BX,BY, default: auto]
     #[arg(long, value_name = "VECTORS", allow_hyphen_values = true)]
     pub(crate) lattice: Option<LatticeChoice>,
-    /// Candidates compared per position (descriptor method)
+    /// Elements compared for each position (descriptor), or half as many for each gap that is filled
+    /// (descriptor and correspondence)
     #[arg(long, number = SynthParams::CANDIDATES)]
     pub(crate) candidates: Option<u32>,
-    /// One-cell moves tried to improve each placement
+    /// Maximum moves to a better position, for each element (descriptor and correspondence)
     #[arg(long, number = SynthParams::MOVES)]
     pub(crate) moves: Option<u32>,
     /// Weights in the score of a placement, for target, uncovered, empty, mismatched and same-overlap areas;

@@ -67,8 +67,8 @@ impl DrawnContext {
     #[cfg(any(feature = "clustered", feature = "curves"))]
     pub(crate) fn too_small(&self, kind: &str) -> Error {
         let bounds = self.region.bounds();
-        let value = format!("{:.0} x {:.0}", bounds.width(), bounds.height());
-        let allowed = format!("a shape large enough for {kind} like those of the library");
+        let value = format!("{:.0} x {:.0} px", bounds.width(), bounds.height());
+        let allowed = format!("large enough for {kind} like those of the library");
         Error::Parameter { name: "region", value, allowed: allowed.into() }
     }
 

@@ -11,6 +11,9 @@ use vtex_scene::scene::pixels;
 
 /// Differences of residuals below which a motif counts as turned rather than mirrored, in pixels.
 const SAME: f64 = 1e-6;
+/// Least distance of a part's centre from the middle of a motif's, in sides of its bounds, from which the centres tell how
+/// the motif is turned: those of a square in a circle lie apart by chance.
+const APART: f64 = 0.15;
 
 /// A drawing in which each motif is one element, a *unit*; elements of no motif are units by themselves.
 pub(crate) struct MotifUnits {
@@ -41,6 +44,8 @@ struct UnitMotif {
     centres: Vec<Point>,
     /// For each part in painting order, its place in that order.
     numbers: Vec<usize>,
+    /// Whether the centres tell how the motif is turned.
+    has_direction: bool,
 }
 
 impl MotifUnits {
@@ -93,13 +98,15 @@ impl MotifUnits {
                     labels[part.element + 1] = number as u32 + 1;
                 }
             }
+            let unit = element(library, &painted);
             let centre = |p: &UnitPart| p.map * bounds(&library.elements[p.element].shapes).center();
-            own.motifs.push(motif.map(|m| UnitMotif {
-                kind: m.kind,
-                centres: parts.iter().map(centre).collect(),
-                numbers: sorted,
+            own.motifs.push(motif.map(|m| {
+                let centres: Vec<Point> = parts.iter().map(centre).collect();
+                let all = bounds(&unit.shapes);
+                let apart = |p: &Point| p.distance(mean(&centres)) > APART * all.width().max(all.height());
+                UnitMotif { kind: m.kind, has_direction: centres.iter().any(apart), centres, numbers: sorted }
             }));
-            own.library.elements.push(element(library, &painted));
+            own.library.elements.push(unit);
             let layer = top(parts).0;
             own.library.layers[layer].instances.push(ExemplarInstance::of(ElementId::after(number)));
             own.parts.push(painted);
@@ -174,8 +181,12 @@ impl MotifUnits {
 }
 
 impl UnitMotif {
-    /// The rigid map to another motif of the kind; mirrored only if that fits better.
+    /// The rigid map to another motif of the kind; mirrored only if that fits better, and not turned if the centres of one
+    /// do not tell how.
     fn map_to(&self, other: &Self) -> Affine {
+        if !(self.has_direction && other.has_direction) {
+            return Affine::translate(mean(&other.centres) - mean(&self.centres));
+        }
         let of = |mirrored: bool| {
             let map = rigid_map(&self.centres, &other.centres, mirrored);
             let apart = self.centres.iter().zip(&other.centres).map(|(p, q)| (map * *p).distance(*q));
@@ -184,6 +195,12 @@ impl UnitMotif {
         let (plain, mirrored) = (of(false), of(true));
         if mirrored.0 + SAME < plain.0 { mirrored.1 } else { plain.1 }
     }
+}
+
+/// The mean of points.
+fn mean(points: &[Point]) -> Point {
+    let sum = points.iter().fold(Vec2::ZERO, |sum, p| sum + p.to_vec2());
+    (sum / points.len().max(1) as f64).to_point()
 }
 
 /// The convex hull of points (Andrew's monotone chain); `None` for points on a line.

@@ -20,6 +20,8 @@ const MANY: f64 = 3e6;
 /// Least number of cells, and least share of the page that they cover.
 const LEAST: usize = 2;
 const COVERED: f64 = 0.5;
+/// Largest area of all shapes in areas of the page: cells lie side by side, beside a few grounds below them.
+const STACKED: f64 = 16.0;
 /// Largest width of the ground between cells, in widths of the middle cell, and least width of a cell.
 const THIN: f64 = 0.5;
 const NARROW: f64 = 0.2;
@@ -80,7 +82,7 @@ impl CellDrawing {
                 }
             }
         }
-        if filled < COVERED * page.area() {
+        if !(COVERED..=STACKED).contains(&(filled / page.area())) {
             return Ok(None);
         }
         let of = |count: f64| CellMap::new(PageRaster::new(page, f64::INFINITY, count), &shapes, go_on);

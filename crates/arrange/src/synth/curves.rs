@@ -43,7 +43,7 @@ const LINES: &str = "for a drawing of lines, strokes or filled shapes that are l
 pub(super) fn check(libraries: &[Library], params: &SynthParams, controls: &Controls) -> Result<()> {
     let library = single_drawing(libraries, params, controls).map_err(|allowed| refusal(METHOD, allowed))?;
     if controls.density.is_some() && controls.context.is_some() {
-        return Err(refusal(METHOD, "without a map of densities, where a drawing stands"));
+        return Err(refusal(METHOD, "without a map of densities, beside a drawing that stays"));
     }
     let (mut lines, mut others) = (0.0, 0.0);
     let largest = LARGEST * f64::from(library.source.width.min(library.source.height));

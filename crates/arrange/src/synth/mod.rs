@@ -115,7 +115,7 @@ fn in_pixels(
 fn chosen(asked: Method, error: Error) -> Error {
     match error {
         Error::Parameter { name: name @ "method", value, allowed } if asked == Method::Auto => {
-            Error::Parameter { name, value: format!("auto, which chose {value}"), allowed }
+            Error::Parameter { name, value: format!("auto (it chose {value})"), allowed }
         }
         error => error,
     }
@@ -300,7 +300,7 @@ fn method(libraries: &[Library], params: &SynthParams, controls: &Controls) -> R
             Err(Error::Parameter {
                 name: "method",
                 value: format!("{other:?}").to_lowercase(),
-                allowed: "auto, curves or clustered beside a drawing that stands".into(),
+                allowed: "without a drawing that stays; beside one, auto, curves and clustered do".into(),
             })
         }
         // Nothing else makes more of lines on paper.
@@ -315,10 +315,9 @@ fn method(libraries: &[Library], params: &SynthParams, controls: &Controls) -> R
         method if led => Err(Error::Parameter {
             name: "method",
             value: format!("{method:?}").to_lowercase(),
-            allowed:
-                "correspondence where a map of layers or a guide leads, which needs a library with a guide \
-                      and no weights or ablation"
-                    .into(),
+            allowed: "without a map of layers or a guide to follow; correspondence follows them, with a library that \
+                      has a guide, and without weights or ablation"
+                .into(),
         }),
         #[cfg(feature = "clustered")]
         Method::Clustered => clustered::check(libraries, params, controls).map(|()| Method::Clustered),

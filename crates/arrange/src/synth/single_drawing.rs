@@ -19,7 +19,7 @@ pub(super) fn single_drawing<'a>(
         return Err("without turned, mirrored or resized elements, and without a guide");
     }
     if controls.context.is_some() && params.tile.any() {
-        return Err("without a tile that repeats, where a drawing stands");
+        return Err("without a tile that repeats, beside a drawing that stays");
     }
     if params.edge != Edge::Clip {
         return Err("for elements cut where the shape or the canvas ends (edge clip)");

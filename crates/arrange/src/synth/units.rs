@@ -135,7 +135,7 @@ fn those_known(names: &[String]) -> String {
 
 /// A warning about a texture without elements, of libraries that have some; `None` otherwise.
 fn no_elements(libraries: &[Library], scene: &Scene) -> Option<String> {
-    let elements = libraries.iter().flat_map(|library| &library.elements);
+    let elements = libraries.iter().flat_map(Library::primaries);
     let (all, cut) = elements.fold((0, 0), |(all, cut), e| (all + 1, cut + usize::from(e.clipped)));
     if all == 0 || scene.individuals().next().is_some() {
         return None;

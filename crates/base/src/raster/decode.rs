@@ -11,6 +11,10 @@ use std::io::{Cursor, ErrorKind};
 /// Default limit of an image's width and height, in pixels.
 pub const LARGEST_SIDE: u32 = 16_384;
 
+/// Most bytes of what a PNG holds beside its pixels, unpacked: a colour profile of hundreds of megabytes packs to a few
+/// hundred kilobytes.
+const PNG_BUFFERS: u64 = 64 << 20;
+
 /// Limits of images, checked before they are decoded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
@@ -92,7 +96,8 @@ fn decoded(
     // Limits are checked below, where the error can name them. Decoders get the memory limit as well,
     // for their own buffers.
     let mut inner = image::Limits::no_limits();
-    inner.max_alloc = Some(limits.memory);
+    let most = if format == ImageFormat::Png { limits.memory.min(PNG_BUFFERS) } else { limits.memory };
+    inner.max_alloc = Some(most);
     reader.limits(inner);
     let mut decoder = reader.into_decoder().map_err(|e| fail(reason(&e)))?;
     let (width, height) = decoder.dimensions();
@@ -191,8 +196,12 @@ fn reason(error: &ImageError) -> String {
     {
         return "the file ends in the middle of the picture".into();
     }
-    let types = |c: char| ['{', '}', '"'].contains(&c);
-    if text.contains(types) { "its data are damaged".into() } else { text }
+    match error {
+        ImageError::Decoding(_) | ImageError::IoError(_) => "its data are damaged".into(),
+        ImageError::Limits(_) => "it needs more memory than pictures may".into(),
+        _ if text.contains(['{', '}', '"']) => "its data are damaged".into(),
+        _ => text,
+    }
 }
 
 /// Refuses canvases without pixels, and those with a side beyond [`LARGEST_SIDE`].

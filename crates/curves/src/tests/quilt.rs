@@ -214,5 +214,5 @@ fn overlaps_and_gaps_are_divided_half_way() {
 #[test]
 fn a_tile_smaller_than_its_cells_is_refused() {
     let found = quilted_cells(&mosaic(), &params([12.0, 12.0], true), &go_on);
-    assert!(matches!(found, Err(Error::Parameter { name: "size", .. })), "{found:?}");
+    assert!(matches!(found, Err(Error::Parameter { name: "canvas", .. })), "{found:?}");
 }

@@ -27,6 +27,7 @@ mod pieces;
 mod read;
 mod recurring;
 mod shapes;
+mod stubs;
 mod torus;
 
 pub use vtex_scene::library::Grouping;
@@ -90,6 +91,7 @@ pub fn import(bytes: &[u8], name: &str, params: &ImportParams, progress: &dyn Pr
         piece.parts.retain(shapes::is_visible);
     }
     pieces.retain(|p| !p.parts.is_empty());
+    stubs::remove_covered(&mut pieces);
     let found = pieces.len();
     let (background, pieces) = assemble::background(&page, pieces);
     // To save time, very many shapes beneath the background are not drawn.
@@ -102,7 +104,7 @@ pub fn import(bytes: &[u8], name: &str, params: &ImportParams, progress: &dyn Pr
         None if periodic::is_periodic(&picture) => (true, None),
         None => repeated_anyway(&page, &pieces),
     };
-    page.warnings.extend(remark);
+    page.warnings.extend(remark.clone());
     advance(progress, "drawing", 2, 4)?;
     let pieces = if wrap {
         let on_page = pieces.into_iter().filter(|p| !page.is_beside(p)).collect();
@@ -115,7 +117,10 @@ pub fn import(bytes: &[u8], name: &str, params: &ImportParams, progress: &dyn Pr
     let origin = DrawingOrigin { bytes, name, params, wrap, scale, picture, background };
     let library = assemble(&page, &pieces, origin, progress)?;
     for warning in &library.source.warnings {
-        progress.warn(warning);
+        match remark.as_ref() == Some(warning) {
+            true => progress.warn_of_placing(warning),
+            false => progress.warn(warning),
+        }
     }
     advance(progress, "drawing", 4, 4)?;
     Ok(library)
@@ -169,6 +174,6 @@ fn repeated_anyway(page: &read::DrawingPage, pieces: &[pieces::DrawingPiece]) ->
         return (false, None);
     }
     let remark =
-        "the borders of the page do not join, but few shapes on it are whole: it is repeated as it is";
+        "the borders of the page do not join, but few shapes on it are whole, so vtex reads it as a tile";
     (true, Some(remark.into()))
 }

@@ -8,6 +8,11 @@ const LOOSE: f64 = 0.5;
 const SLANT: i64 = 3;
 /// Least contrast assumed at an empty border, in 8-bit steps.
 const LEAST: f64 = 0.5;
+/// A line along a border is at least as long as this share of the border, and no wider than that one.
+const LONG: f64 = 0.05;
+const THIN: f64 = 0.02;
+/// Least contrast of a line along a border.
+const MARKED: f64 = 24.0;
 
 /// Whether opposite borders continue each other. Pictures with empty borders are periodic too.
 pub(super) fn is_periodic(picture: &RgbImage) -> bool {
@@ -34,7 +39,8 @@ fn median(picture: &RgbImage) -> [u8; 3] {
     })
 }
 
-/// Difference of two opposite borders, and their difference from the background, summed along them.
+/// Difference of two opposite borders, and their difference from the background, summed along them. Lines that lie along a
+/// border do not cross it, and are left out.
 fn border(picture: &RgbImage, across_x: bool, background: [u8; 3]) -> [f64; 2] {
     let (w, h) = picture.dimensions();
     let (last, length) = if across_x { (w - 1, h) } else { (h - 1, w) };
@@ -43,7 +49,22 @@ fn border(picture: &RgbImage, across_x: bool, background: [u8; 3]) -> [f64; 2] {
         picture.get_pixel(if across_x { v } else { t }, if across_x { t } else { v }).0
     };
     let apart = |a: [u8; 3], b: [u8; 3]| (0..3).map(|k| f64::from(a[k].abs_diff(b[k]))).sum::<f64>() / 3.0;
-    let places = || 0..i64::from(length);
+    let depth = ((THIN * f64::from(length)) as u32).clamp(1, last);
+    let is_marked = |v: u32, t: usize| apart(pixel(v, t as i64), background) >= MARKED;
+    let mut is_along = vec![false; length as usize];
+    for [edge, inside] in [[0, depth], [last, last - depth]] {
+        let marked: Vec<bool> = (0..length as usize).map(|t| is_marked(edge, t)).collect();
+        let mut start = 0;
+        for run in marked.chunk_by(|a, b| a == b) {
+            let places = start..start + run.len();
+            start = places.end;
+            let deep = places.clone().filter(|t| is_marked(inside, *t)).count();
+            if run[0] && run.len() as f64 > LONG * f64::from(length) && 2 * deep < run.len() {
+                is_along[places].fill(true);
+            }
+        }
+    }
+    let places = || (0..i64::from(length)).filter(|t| !is_along[*t as usize]);
     let off = |t: i64| {
         let near = (-SLANT..=SLANT).map(|s| apart(pixel(last, t), pixel(0, t + s)));
         near.fold(f64::INFINITY, f64::min)
@@ -68,6 +89,16 @@ mod tests {
         };
         assert!(is_periodic(&of(2.0)));
         assert!(!is_periodic(&of(2.5)));
+        // A line along one border says nothing; a wide area at one border does.
+        let with = |thick: u32| {
+            let bands = of(2.0);
+            RgbImage::from_fn(120, 80, |x, y| {
+                let is_dark = y >= 80 - thick && (5..95).contains(&x);
+                if is_dark { Rgb([0; 3]) } else { *bands.get_pixel(x, y) }
+            })
+        };
+        assert!(is_periodic(&with(1)));
+        assert!(!is_periodic(&with(20)));
         assert!(is_periodic(&RgbImage::from_pixel(9, 9, Rgb([7; 3]))));
     }
 }

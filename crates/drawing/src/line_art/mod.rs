@@ -49,21 +49,21 @@ pub(crate) struct LineArt {
 /// the paper; those of `progress`.
 pub(crate) fn read(bytes: &[u8], name: &str, wrap: Option<bool>, progress: &dyn Progress) -> Result<LineArt> {
     let go_on = || advance(progress, "drawing", 0, 4);
-    let unusable = |reason: String| Error::Unusable { name: name.into(), reason };
+    let unusable = |reason: String, advice| Error::Unusable { name: name.into(), reason, advice };
+    let no_lines =
+        |reason: &str| unusable(reason.into(), "read it as a photograph, not as a picture of lines");
     let mut warnings = Vec::new();
     let image = decode_over_white(bytes, name, &Limits::default(), &mut warnings)?;
     let (width, height) = image.dimensions();
     if width.min(height) < SMALLEST_SIDE {
         let least = SMALLEST_SIDE;
-        return Err(unusable(format!(
-            "it has {width} x {height} pixels, at least {least} x {least} are needed"
-        )));
+        let reason = format!("it has {width} x {height} pixels, at least {least} x {least} are needed");
+        return Err(unusable(reason, "use a larger picture"));
     }
-    let found =
-        ink(&image, wrap, &go_on)?.ok_or_else(|| unusable("no lines stand out from its paper".into()))?;
+    let found = ink(&image, wrap, &go_on)?.ok_or_else(|| no_lines("no lines stand out from its paper"))?;
     let strokes = strokes(&image, &found, &go_on)?;
     if strokes.is_empty() {
-        return Err(unusable("it holds areas and specks, but no lines".into()));
+        return Err(no_lines("it holds areas and specks, but no lines"));
     }
     if found.specks > 0 {
         warnings.push(format!("specks and dots left out ({})", found.specks));

@@ -4,7 +4,7 @@
 //! at each element, follows references within references, and reads path data by recursion.
 
 use super::SvgFault;
-use super::unfolding::{self, DEEPEST, MOST_DRAWN, MOST_ELEMENTS, StyledProperty, Unfoldable};
+use super::unfolding::{self, DEEPEST, MOST_DRAWN, MOST_ELEMENTS, MOST_OUTLINES, StyledProperty, Unfoldable};
 use resvg::usvg::roxmltree::{Attribute, Document, Node};
 use simplecss::{AttributeOperator, Element, PseudoClass, StyleSheet};
 use std::cell::Cell;
@@ -32,8 +32,8 @@ pub(super) fn refused(document: &Document<'_>) -> Option<SvgFault> {
         let reason = format!("a path is closed more than {MOST_CLOSES} times in a row");
         return Some(SvgFault { reason, advice: "delete the repeated Z in its path data" });
     }
-    if document.descendants().any(|n| n.attributes().any(is_too_round)) {
-        let reason = "it has an arc or a circle that is larger than can be drawn".into();
+    if document.descendants().any(|n| n.attributes().any(|a| is_too_large(n, a))) {
+        let reason = "it has an arc, a circle or a filter that is larger than can be drawn".into();
         return Some(SvgFault { reason, advice: "delete what lies far outside the page" });
     }
     let Some(styled) = styled(document) else {
@@ -55,21 +55,34 @@ pub(super) fn refused(document: &Document<'_>) -> Option<SvgFault> {
         }
         Unfoldable::Large => {
             let reason = format!(
-                "its references unfold to more than {MOST_ELEMENTS} elements, or to {MOST_DRAWN} that are drawn"
+                "its references unfold to more than {} million elements, or draw more than {} million",
+                MOST_ELEMENTS / 1_000_000,
+                MOST_DRAWN / 1_000_000
             );
             (reason, super::SHAPES)
+        }
+        Unfoldable::Detailed => {
+            let reason = format!(
+                "its outlines, written out wherever they are used, have more than {} million characters",
+                MOST_OUTLINES / 1_000_000
+            );
+            (reason, "simplify its longest paths, or delete some of the elements that use them")
         }
     };
     Some(SvgFault { reason, advice })
 }
 
-/// Whether an attribute gives an arc or a circle a radius of some 10¹² or more: the parser makes it of the more curves, the
-/// larger it is.
-fn is_too_round(attribute: Attribute<'_, '_>) -> bool {
-    let value = attribute.value();
+/// Whether an attribute gives a radius or a length of a filter of some 10¹² or more: the parser makes an arc of the more
+/// curves, the larger it is, and has no place for regions of filters beyond the largest number.
+fn is_too_large(node: Node<'_, '_>, attribute: Attribute<'_, '_>) -> bool {
+    let (tag, value) = (node.tag_name().name(), attribute.value());
     match attribute.name() {
         "r" | "rx" | "ry" => is_huge(value),
         "d" => value.contains(['a', 'A']) && is_huge(value),
+        "x" | "y" | "width" | "height" | "dx" | "dy" | "radius" | "stdDeviation" | "scale" => {
+            (tag == "filter" || tag.starts_with("fe")) && is_huge(value)
+        }
+        "filter" | "style" => ["blur(", "shadow("].iter().any(|f| value.contains(f)) && is_huge(value),
         _ => false,
     }
 }

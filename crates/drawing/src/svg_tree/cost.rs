@@ -208,6 +208,7 @@ impl Estimate {
             Kind::Turbulence(t) => 200.0 * f64::from(t.num_octaves()),
             Kind::Morphology(m) => 2.0 * reach(m.radius_x().get(), 0) * reach(m.radius_y().get(), 1),
             Kind::ConvolveMatrix(c) => 4.0 * f64::from(c.matrix().columns()) * f64::from(c.matrix().rows()),
+            Kind::Merge(m) => 40.0 * m.inputs().len() as f64,
             Kind::DiffuseLighting(_) | Kind::SpecularLighting(_) => 100.0,
             _ => 40.0,
         };

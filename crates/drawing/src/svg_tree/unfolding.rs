@@ -11,6 +11,8 @@ use std::collections::{BTreeMap, HashMap};
 pub const MOST_ELEMENTS: u64 = 1_000_000;
 /// Largest number of elements that are drawn, those of a definition counted for each of its uses.
 pub(super) const MOST_DRAWN: u64 = 4_000_000;
+/// Most characters of outlines that the parser holds in memory. It makes some ten bytes of each.
+pub(super) const MOST_OUTLINES: u64 = 50_000_000;
 /// Largest number of elements looked at to count, which takes about a second.
 const MOST_VISITS: u64 = 4_000_000;
 /// Greatest depth of elements within one another, references followed. Each level takes a part of the stack.
@@ -27,6 +29,8 @@ pub(super) enum Unfoldable {
     Deep,
     /// It unfolds to too many elements.
     Large,
+    /// The outlines of its elements unfold to too many characters.
+    Detailed,
 }
 
 /// Properties that refer to definitions: paints and markers, which elements inherit, then those of an element itself.
@@ -68,8 +72,13 @@ pub(super) struct StyledProperty<'s> {
 pub(super) fn check(document: &Document<'_>, styled: &[StyledProperty<'_>]) -> Result<(), Unfoldable> {
     let mut unfolding = Unfolding::new(document, styled);
     let all = unfolding.element(document.root_element(), 0, 0)?;
-    let held = all.held.saturating_add(unfolding.shared);
-    if held > MOST_ELEMENTS || all.drawn > MOST_DRAWN { Err(Unfoldable::Large) } else { Ok(()) }
+    let held = all.held.saturating_add(unfolding.shared.held);
+    let outlines = all.outlines.saturating_add(unfolding.shared.outlines);
+    match () {
+        () if held > MOST_ELEMENTS || all.drawn > MOST_DRAWN => Err(Unfoldable::Large),
+        () if outlines > MOST_OUTLINES => Err(Unfoldable::Detailed),
+        () => Ok(()),
+    }
 }
 
 /// What an element unfolds to.
@@ -77,6 +86,8 @@ pub(super) fn check(document: &Document<'_>, styled: &[StyledProperty<'_>]) -> R
 struct Unfolded {
     /// Elements in memory.
     held: u64,
+    /// Characters of outlines in memory.
+    outlines: u64,
     /// Elements to be drawn.
     drawn: u64,
 }
@@ -84,6 +95,7 @@ struct Unfolded {
 impl Unfolded {
     fn add(&mut self, other: Self, times: u64) {
         self.held = self.held.saturating_add(other.held.saturating_mul(times));
+        self.outlines = self.outlines.saturating_add(other.outlines.saturating_mul(times));
         self.drawn = self.drawn.saturating_add(other.drawn.saturating_mul(times));
     }
 }
@@ -124,8 +136,8 @@ struct Unfolding<'a, 'd> {
     numbers: BTreeMap<Inheritance, usize>,
     /// What each definition unfolds to, by node and number of what it inherits; `None` while it is being unfolded.
     known: HashMap<(usize, usize), Option<Unfolded>>,
-    /// Elements of definitions that are held once.
-    shared: u64,
+    /// Content of definitions that are held once.
+    shared: Unfolded,
     visits: u64,
 }
 
@@ -163,7 +175,7 @@ impl<'a, 'd> Unfolding<'a, 'd> {
             inheritances: vec![Inheritance::default()],
             numbers: BTreeMap::from([(Inheritance::default(), 0)]),
             known: HashMap::new(),
-            shared: 0,
+            shared: Unfolded::default(),
             visits: 0,
         }
     }
@@ -180,7 +192,7 @@ impl<'a, 'd> Unfolding<'a, 'd> {
         let number = node.id().get_usize();
         let inherited = self.handed_down(number, inherited);
         let name = node.tag_name().name();
-        let mut all = Unfolded { held: 1, drawn: 1 };
+        let mut all = Unfolded { held: 1, outlines: outline(node).len() as u64, drawn: 1 };
         for child in node.children().filter(|c| c.is_element() && !HIDDEN.contains(&c.tag_name().name())) {
             all.add(self.element(child, inherited, depth + 1)?, 1);
         }
@@ -237,18 +249,24 @@ impl<'a, 'd> Unfolding<'a, 'd> {
         let found = self.definition(target, inherited, depth)?;
         let in_user_space = |name: &str| node.attribute(name) == Some("userSpaceOnUse");
         let is_held_once = match node.tag_name().name() {
-            "clipPath" => node.attribute("clipPathUnits") != Some("objectBoundingBox"),
-            "pattern" => in_user_space("patternUnits"),
-            "mask" => in_user_space("maskUnits"),
+            "clipPath" => !self.is_in_bounds(target, "clipPathUnits"),
+            "pattern" => in_user_space("patternUnits") && !self.is_in_bounds(target, "patternContentUnits"),
+            "mask" => in_user_space("maskUnits") && !self.is_in_bounds(target, "maskContentUnits"),
             _ => false,
         };
         if !is_held_once {
             return Ok(found);
         }
         if is_new {
-            self.shared = self.shared.saturating_add(found.held);
+            self.shared.add(found, 1);
         }
-        Ok(Unfolded { held: 0, ..found })
+        Ok(Unfolded { drawn: found.drawn, ..Unfolded::default() })
+    }
+
+    /// Whether an attribute of a definition, or of one that it is made from, gives units of the bounds of what refers to it.
+    fn is_in_bounds(&self, target: usize, name: &str) -> bool {
+        let chain = std::iter::successors(Some(target), |n| self.links.get(n).copied());
+        chain.take(DEEPEST as usize).any(|n| self.nodes[n].attribute(name) == Some("objectBoundingBox"))
     }
 
     /// The number of what an element hands down to its content.
@@ -274,9 +292,14 @@ impl<'a, 'd> Unfolding<'a, 'd> {
     }
 }
 
+/// The outline of a path, a polygon or a polyline, as it is written.
+fn outline<'a>(node: Node<'a, '_>) -> &'a str {
+    node.attribute("d").or_else(|| node.attribute("points")).unwrap_or_default()
+}
+
 /// Upper bound of the number of vertices of a shape.
 fn vertices(node: Node<'_, '_>) -> u64 {
-    let data = node.attribute("d").or_else(|| node.attribute("points")).unwrap_or_default();
-    let between = data.bytes().filter(|b| !b.is_ascii_digit() && !matches!(b, b'.' | b'e' | b'E')).count();
+    let between =
+        outline(node).bytes().filter(|b| !b.is_ascii_digit() && !matches!(b, b'.' | b'e' | b'E')).count();
     between as u64 + 2
 }

@@ -127,8 +127,8 @@ pub fn stylize(picture: &RgbImage, texture: &Scene, params: &StylizeParams) -> R
         let places = canvas[0] * canvas[1] / (distance * distance);
         if places > MOST_PLACES {
             return Err(Error::TooLarge {
-                what: Large::Picture,
-                name: "picture".into(),
+                what: Large::Redrawn,
+                name: "the redrawn picture".into(),
                 found: format!("{:.0} million places for elements {distance} px apart", places / 1e6),
                 limit: format!("{:.0} million places", MOST_PLACES / 1e6),
             });

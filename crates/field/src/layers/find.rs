@@ -208,6 +208,7 @@ impl LayerSearch {
             let fail = || Error::Unusable {
                 name: "the photograph".into(),
                 reason: format!("its colours are too few or too alike for {count} layers"),
+                advice: "ask for fewer layers",
             };
             return Ok((map.ok_or_else(fail)?, count, "as asked".into()));
         }

@@ -52,7 +52,7 @@ impl RasterAnimation {
         let palette = AnimationPalette::new(&seen);
         let side = |v: u32| {
             u16::try_from(v).map_err(|_| Error::TooLarge {
-                what: Large::Picture,
+                what: Large::Drawn,
                 name: "GIF".into(),
                 found: format!("{v} pixels on a side"),
                 limit: "65535 pixels".into(),

@@ -54,14 +54,11 @@ pub fn render_part_of(
     let parse = |text: &str| svg_tree::document(text).and_then(|d| svg_tree::tree(&d));
     // The error for an SVG of that number of elements that cannot be parsed.
     let refused = |fault: SvgFault, elements: u64| {
-        let most = svg_tree::MOST_ELEMENTS;
-        if elements <= most {
+        if elements <= svg_tree::MOST_ELEMENTS {
             return fail(fault);
         }
-        let reason = format!(
-            "{elements} of its elements, every <use> followed, can only be drawn as a whole; {most} are the most"
-        );
-        Error::Render { name: name.into(), reason }
+        let reason = "more than a million of its elements, every <use> followed, can only be drawn together";
+        Error::Render { name: name.into(), reason: reason.into() }
     };
     if !pieces.several() {
         advance(progress, "drawing", 0, total)?;
@@ -95,6 +92,15 @@ fn failed(name: &str, fault: SvgFault) -> Error {
         format!("{}; {}", fault.reason, fault.advice)
     };
     Error::Render { name: name.into(), reason }
+}
+
+/// An SVG that would take too much time or memory at its scale.
+fn too_much(name: &str, fault: SvgFault) -> Error {
+    if fault.advice != svg_tree::SHAPES {
+        return failed(name, fault);
+    }
+    let SvgFault { reason, advice } = fault;
+    Error::Render { name: name.into(), reason: format!("{reason}; {advice}, or ask for a smaller picture") }
 }
 
 /// Elements of an SVG once every `<use>` is followed.
@@ -131,8 +137,8 @@ impl<'a> LayeredPicture<'a> {
         let most = (PAGE * (1.0 + tree.megabytes()) * (scale * scale).max(1.0)) as u64;
         if u64::from(width) * u64::from(height) > most {
             let found = format!("a picture of {width} x {height} pixels");
-            let limit = format!("{most} pixels for a file of its size");
-            return Err(Error::TooLarge { what: Large::Picture, name: name.into(), found, limit });
+            let limit = format!("{} megapixels for a file of its size", most / 1_000_000);
+            return Err(Error::TooLarge { what: Large::Drawn, name: name.into(), found, limit });
         }
         let picture = layer(width, height, name)?;
         let enlarged = (scale * scale).min(f64::from(width) * f64::from(height) / USUAL);
@@ -143,7 +149,7 @@ impl<'a> LayeredPicture<'a> {
     /// Draws an SVG over the topmost layer.
     fn draw(&mut self, tree: &SvgTree) -> Result<()> {
         svg_tree::draw(tree, self.transform, &mut self.picture, self.patience)
-            .map_err(|fault| failed(self.name, fault))
+            .map_err(|fault| too_much(self.name, fault))
     }
 
     /// Begins a layer.
@@ -157,7 +163,7 @@ impl<'a> LayeredPicture<'a> {
     fn close(&mut self, shape: &SvgTree) -> Result<()> {
         let mut mask = layer(self.picture.width(), self.picture.height(), self.name)?;
         svg_tree::draw(shape, self.transform, &mut mask, self.patience)
-            .map_err(|fault| failed(self.name, fault))?;
+            .map_err(|fault| too_much(self.name, fault))?;
         let paint = |blend_mode| PixmapPaint { blend_mode, ..PixmapPaint::default() };
         let still = Transform::identity();
         self.picture.draw_pixmap(0, 0, mask.as_ref(), &paint(BlendMode::DestinationIn), still, None);
@@ -316,7 +322,7 @@ mod tests {
         let stopped = render_svg(text.as_bytes(), 1.0, "crowd.svg", &vtex_testing::StopAtOnce);
         assert!(matches!(stopped, Err(Error::Interrupted)));
         let whole = render_svg(crowd(600_000, r#" opacity=".5""#).as_bytes(), 1.0, "crowd.svg", &());
-        assert!(whole.unwrap_err().to_string().contains("can only be drawn as a whole"));
+        assert!(whole.unwrap_err().to_string().contains("can only be drawn together"));
     }
 
     #[test]

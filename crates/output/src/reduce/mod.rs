@@ -97,7 +97,7 @@ pub fn to_fit<'a, E: From<Error>>(
     };
     let (mut best, smallest) = at(&steps[steps.len() - 1])?;
     if smallest > most {
-        return Err(Error::MaxBytes { most, smallest }.into());
+        return Err(Error::MaxBytes { file: "file", most, smallest }.into());
     }
     // All steps up to `low` are too large, the whole scene being the step before the first, and `high` fits.
     let (mut low, mut high) = ((0, whole), (steps.len(), smallest));

@@ -87,7 +87,8 @@ pub fn contours(exemplar: &RgbImage, enlarged: &RgbImage, progress: &dyn Progres
             enlarged.width(),
             enlarged.height()
         );
-        return Err(Error::Unusable { name: "result".into(), reason });
+        let advice = "draw the result at that size";
+        return Err(Error::Unusable { name: "result".into(), reason, advice });
     }
     let [width, height] = wanted;
     let smooth = resized(exemplar, width, height, Filter::CatmullRom);

@@ -220,7 +220,8 @@ fn check_size(image: &RgbImage, name: &str) -> Result<()> {
         let reason = format!(
             "it has {width} x {height} pixels, at least {SMALLEST} x {SMALLEST} are needed to compare"
         );
-        return Err(Error::Unusable { name: name.into(), reason });
+        let advice = "use larger pictures, or reduce them less";
+        return Err(Error::Unusable { name: name.into(), reason, advice });
     }
     check_pixels(f64::from(width) * f64::from(height), MOST_PIXELS, name)
 }

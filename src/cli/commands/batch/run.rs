@@ -130,7 +130,8 @@ pub(super) fn run(common: &Common, batch: &Batch) -> anyhow::Result<()> {
     interrupt::check()?;
     if total.failed > 0 {
         let failure = Failure::failed(format!("{} of {} jobs failed", total.failed, total.jobs));
-        return Err(failure.hint("run the same again to do these only").reported_already().into());
+        let hint = "mend what the errors say, then run the same again: it does only these";
+        return Err(failure.hint(hint).reported_already().into());
     }
     Ok(())
 }
@@ -303,6 +304,7 @@ impl<'a> ResolvedJob<'a> {
                 parameters: self.analyze.clone(),
                 wrap: self.job.parameters.wrap.choice(),
                 looks_at_borders: true,
+                places: true,
             };
             let library = analyze(&self.common, &analysis, reporter)?;
             let parameters = Parameters {

@@ -184,11 +184,11 @@ fn check_copies(library: &Library, params: &SynthParams) -> Result<()> {
         });
     }
     let (found, limit, unit) = if copies > MOST_COPIES {
-        (copies, MOST_COPIES, "copies of the drawing's elements")
+        (copies / 1e6, MOST_COPIES / 1e6, "million copies of the drawing's elements")
     } else {
         (painted / 1e6, MOST_PAINTED / 1e6, "megapixels in all copies of the drawing's elements")
     };
-    let [found, limit] = [found, limit].map(|count| format!("{count:.0} {unit}"));
+    let [found, limit] = [libm::ceil(found), limit].map(|count| format!("{count:.0} {unit}"));
     Err(Error::TooLarge { what: Large::Canvas, name: "size".into(), found, limit })
 }
 

@@ -78,7 +78,10 @@ impl ElementRelations {
         let free_bounds = bounds.iter().zip(&free).filter(|(_, free)| **free).map(|(b, _)| b);
         let shortest_side = free_bounds.map(|b| b.width().min(b.height())).fold(f64::INFINITY, f64::min);
         let too_few = free.iter().filter(|f| **f).count() < FEWEST;
-        let regular = too_few || is_ruled(elements) || is_regular(elements, &bounds, size);
+        let regular = too_few
+            || is_ruled(elements)
+            || is_regular(elements, &bounds, size)
+            || is_in_rows(elements, &bounds, size);
         let first_equal: Vec<usize> = equal.iter().map(|e| e.first).collect();
         Self {
             first_like: first_like(elements, &first_equal),
@@ -181,25 +184,18 @@ fn angles(equal: &[SimilarTo]) -> BTreeMap<usize, Vec<f64>> {
 fn is_regular(elements: &[ExemplarElement], bounds: &[Rect], size: [i32; 2]) -> bool {
     let size = size.map(f64::from);
     let side = libm::sqrt(size[0] * size[1]);
-    let same_size = |a: usize, b: usize| {
-        let near = |x: f64, y: f64| (x - y).abs() <= TOLERANCE * side;
-        near(bounds[a].width(), bounds[b].width()) && near(bounds[a].height(), bounds[b].height())
-    };
-    let wrap = |v: f64, size: f64| v - size * libm::round(v / size);
-    let offset_of = |a: usize, b: usize| {
-        let d = bounds[b].center() - bounds[a].center();
-        [wrap(d.x, size[0]), wrap(d.y, size[1])]
-    };
+    let same_size = |a: usize, b: usize| have_same_size(&bounds[a], &bounds[b], side) == [true; 2];
+    let offset_of = |a: usize, b: usize| offset(&bounds[a], &bounds[b], size);
     let n = elements.len().min(400);
     // An offset that is common to most elements is also one between elements of the commonest size.
     let count = |a: usize| (0..n).filter(|&b| same_size(a, b)).count();
     let Some(first) = (0..n).max_by_key(|&a| (count(a), n - a)) else { return true };
     let offsets = (0..n).filter(|&b| b != first && same_size(first, b)).map(|b| offset_of(first, b)).take(60);
-    let share_with_partner = |offset: [f64; 2]| {
+    let share_with_partner = |common: [f64; 2]| {
         let has_partner = |a: usize| {
             (0..n).any(|b| {
                 let d = offset_of(a, b);
-                let difference = [wrap(d[0] - offset[0], size[0]), wrap(d[1] - offset[1], size[1])];
+                let difference = [wrapped(d[0] - common[0], size[0]), wrapped(d[1] - common[1], size[1])];
                 same_size(a, b) && difference.iter().all(|v| v.abs() <= TOLERANCE * side)
             })
         };
@@ -207,4 +203,66 @@ fn is_regular(elements: &[ExemplarElement], bounds: &[Rect], size: [i32; 2]) -> 
     };
     let is_far = |o: &[f64; 2]| o[0].abs().max(o[1].abs()) > 0.05 * side;
     offsets.filter(is_far).any(|offset| share_with_partner(offset) >= REGULAR)
+}
+
+/// Elements of equal size across a row whose centres differ there by at most this share of the period lie in one row.
+const IN_ROW: f64 = 0.005;
+/// Least number of pairs of elements in rows, in numbers that chance makes, and how many of its deviations it is beyond.
+const BEYOND_CHANCE: [f64; 2] = [2.0, 3.0];
+/// Least share of elements that lie in a row with another.
+const ROWED: f64 = 0.35;
+/// Largest number of elements that are compared.
+const COMPARED: usize = 1000;
+
+/// Whether elements of equal height lie in rows, or those of equal width in columns, much more often than by chance,
+/// whatever their places within these.
+fn is_in_rows(elements: &[ExemplarElement], bounds: &[Rect], size: [i32; 2]) -> bool {
+    let size = size.map(f64::from);
+    let side = libm::sqrt(size[0] * size[1]);
+    let whole = elements.iter().zip(bounds).filter(|(e, _)| !e.clipped).map(|(_, bounds)| bounds);
+    let bounds: Vec<&Rect> = whole.take(COMPARED).collect();
+    let mut pairs = [0.0; 2];
+    let mut seen = [0.0; 2];
+    let mut in_row = vec![[false; 2]; bounds.len()];
+    for (a, one) in bounds.iter().enumerate() {
+        for (b, other) in bounds[..a].iter().enumerate() {
+            let near = offset(one, other, size).map(|d| d.abs() <= IN_ROW * side);
+            // Those at one place are parts of one thing.
+            if near == [true; 2] {
+                continue;
+            }
+            let same = have_same_size(one, other, side);
+            for k in (0..2).filter(|k| same[*k]) {
+                pairs[k] += 1.0;
+                if near[k] {
+                    seen[k] += 1.0;
+                    (in_row[a][k], in_row[b][k]) = (true, true);
+                }
+            }
+        }
+    }
+    (0..2).any(|k| {
+        let by_chance = pairs[k] * 2.0 * IN_ROW * side / size[k];
+        let [times, deviations] = BEYOND_CHANCE;
+        let rowed = in_row.iter().filter(|row| row[k]).count();
+        seen[k] > 0.0
+            && seen[k] >= times * by_chance
+            && seen[k] >= by_chance + deviations * libm::sqrt(by_chance)
+            && rowed as f64 >= ROWED * bounds.len() as f64
+    })
+}
+
+/// Whether two bounds have the same width, and the same height.
+fn have_same_size(a: &Rect, b: &Rect, side: f64) -> [bool; 2] {
+    [a.width() - b.width(), a.height() - b.height()].map(|d| d.abs() <= TOLERANCE * side)
+}
+
+/// The way from the centre of bounds to that of others, on a page that repeats.
+fn offset(a: &Rect, b: &Rect, size: [f64; 2]) -> [f64; 2] {
+    let d = b.center() - a.center();
+    [wrapped(d.x, size[0]), wrapped(d.y, size[1])]
+}
+
+fn wrapped(v: f64, size: f64) -> f64 {
+    v - size * libm::round(v / size)
 }
