@@ -60,7 +60,7 @@ const TELLING: [&str; 3] = ["quiet", "verbose", "json"];
 fn idle(command: &str) -> Vec<&'static str> {
     match command {
         "completions" | "man" => [&WORK[..], &PARAMETERS, &TELLING, &["color"]].concat(),
-        "models" => [&WORK[..], &PARAMETERS, &TELLING[..2]].concat(),
+        "models" | "integrate" => [&WORK[..], &PARAMETERS, &TELLING[..2]].concat(),
         "doctor" => [&WORK[..], &PARAMETERS[1..], &TELLING[..2]].concat(),
         "inspect" => [&WORK[..], &PARAMETERS].concat(),
         "render" | "metrics" => WORK.to_vec(),

@@ -73,7 +73,7 @@ fn examples_of_the_help_can_be_parsed() {
         let examples = help.split("Examples:").nth(1).unwrap_or_default();
         for line in examples.lines().filter_map(|l| l.trim().strip_prefix("vtex ")) {
             let arguments = line.split(['|', '>']).next().unwrap();
-            let reads = !["completions", "doctor", "man", "models", "edit --list"]
+            let reads = !["completions", "doctor", "integrate", "man", "models", "edit --list"]
                 .iter()
                 .any(|c| arguments.starts_with(c));
             if !reads && !arguments.starts_with("models add") {

@@ -10,6 +10,7 @@ mod damaged;
 mod edit;
 mod files;
 mod help;
+mod integrate;
 mod large;
 mod layers;
 mod line_art;

@@ -7,6 +7,7 @@ mod completions;
 mod doctor;
 mod edit;
 mod inspect;
+mod integrate;
 mod layers;
 mod man;
 mod metrics;
@@ -47,6 +48,7 @@ pub(crate) enum Command {
     Tune(tune::TuneArgs),
     Doctor(doctor::DoctorArgs),
     Models(models::ModelsArgs),
+    Integrate(integrate::IntegrateArgs),
     Completions(completions::CompletionsArgs),
     Man(man::ManArgs),
 }
@@ -74,6 +76,7 @@ impl Command {
             Self::Tune(a) => Box::new(a),
             Self::Doctor(a) => Box::new(a),
             Self::Models(a) => Box::new(a),
+            Self::Integrate(a) => Box::new(a),
             Self::Completions(a) => Box::new(a),
             Self::Man(a) => Box::new(a),
         }
