@@ -36,8 +36,19 @@
 //!
 //! `()` as the last argument of a stage means that nobody listens to its progress; see [`Progress`].
 
+// The command line names this library as any other program does.
+#[cfg(feature = "cli")]
+extern crate self as vtex;
+
+#[cfg(feature = "cli")]
+mod cli;
+
 #[doc(inline)]
 pub use vtex_base::{Error, PROGRAM, Parameter, Progress, Result};
+
+#[cfg(feature = "cli")]
+#[doc(hidden)]
+pub mod program;
 
 /// The library's error type: what went wrong, where, and what to try.
 pub mod error {

@@ -9,6 +9,7 @@ mod editing;
 mod errors;
 mod library;
 mod pictures;
+mod program;
 mod run;
 mod scene;
 mod synthesis;
@@ -29,6 +30,8 @@ mod _vtex {
     use crate::library::Library;
     #[pymodule_export]
     use crate::pictures::{encode, read};
+    #[pymodule_export]
+    use crate::program::run_program;
     #[pymodule_export]
     use crate::run::{set_threads, threads};
     #[pymodule_export]

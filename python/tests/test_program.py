@@ -1,6 +1,13 @@
-"""The same bytes as the program writes."""
+"""The same bytes as the program writes, and the program that the package brings."""
 
+import os
+import shutil
+import signal
 import subprocess
+import sys
+import sysconfig
+import time
+from pathlib import Path
 
 import pytest
 from conftest import EXEMPLARS
@@ -102,3 +109,116 @@ def test_scenes_of_scenes_are_the_same_bytes(made, photo_path, tmp_path):
     drawn = vtex.stylize(photo_path, other, keep="none", longer_side=200, element_size=20, levels=2, seed=7)
     drawn.save(tmp_path / "small-drawn.svg")
     same(made, tmp_path, 10)
+
+
+def script() -> str:
+    """The script of this environment; another program named vtex may be on the PATH."""
+    found = shutil.which("vtex", path=sysconfig.get_path("scripts"))
+    assert found, "the package is installed without its script"
+    return found
+
+
+@pytest.fixture(params=["module", "script"])
+def packaged(request, tmp_path):
+    """A function that runs the program of the package in a folder of its own, and returns its result."""
+    command = [sys.executable, "-m", "vtex"] if request.param == "module" else [script()]
+
+    def run(*arguments, **options):
+        words = [a if isinstance(a, bytes) else str(a) for a in arguments]
+        return subprocess.run([*command, *words], capture_output=True, cwd=tmp_path, timeout=120, **options)
+
+    return run
+
+
+SMALL = ("--segmenter", "regions", "--size", "200", "--seed", "7", "--quiet")
+
+
+def test_the_packaged_program_prints_its_version_and_help(packaged):
+    result = packaged("--version")
+    assert (result.returncode, result.stdout.split(), result.stderr) == (0, [b"vtex", vtex.__version__.encode()], b"")
+    result = packaged("--help")
+    assert (result.returncode, result.stderr) == (0, b"") and b"Usage: vtex " in result.stdout
+
+
+def test_the_packaged_program_returns_exit_codes(packaged):
+    result = packaged("texture", "--no-such-option")
+    assert result.returncode == 2 and b"error: " in result.stderr and b"--no-such-option" in result.stderr
+    result = packaged("inspect", "missing.lib.json")
+    assert result.returncode == 1 and b"error: cannot read 'missing.lib.json'" in result.stderr
+    assert b"Traceback" not in result.stderr and result.stdout == b""
+
+
+def test_the_packaged_program_makes_the_same_bytes(packaged, program, photo_path, tmp_path):
+    if Path(program).samefile(script()):
+        pytest.skip("no other program to compare with: set VTEX_PROGRAM")
+    line = ("texture", photo_path, *SMALL, "-o", "out.svg")
+    result = packaged(*line)
+    assert result.returncode == 0, result.stderr
+    packed = (tmp_path / "out.svg").read_bytes()
+    (tmp_path / "out.svg").unlink()
+    subprocess.run([program, *map(str, line)], check=True, cwd=tmp_path)
+    assert packed == (tmp_path / "out.svg").read_bytes()
+
+
+def test_the_packaged_program_reads_and_writes_streams(packaged, program, photo_path):
+    line = ("texture", "-", *SMALL, "-o", "-")
+    photo = photo_path.read_bytes()
+    result = packaged(*line, input=photo)
+    assert result.returncode == 0, result.stderr
+    assert result.stdout.startswith(b"<?xml") and b"\n</svg>\n" in result.stdout
+    assert result.stdout == subprocess.run([program, *line], check=True, input=photo, stdout=subprocess.PIPE).stdout
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="file names are text here")
+def test_the_packaged_program_takes_names_that_are_not_utf8(packaged, photo_path, tmp_path):
+    name = b"\xff.png"
+    shutil.copy(photo_path, os.fsencode(tmp_path) + b"/" + name)
+    result = packaged("texture", name, *SMALL, "-o", "out.svg")
+    assert result.returncode == 0, result.stderr
+    assert (tmp_path / "out.svg").stat().st_size > 1000
+
+
+def test_the_packaged_program_extends_other_programs_with_its_script(packaged, tmp_path):
+    result = packaged("integrate", "inkscape", "--folder", tmp_path / "extensions")
+    assert result.returncode == 0, result.stderr
+    named = (tmp_path / "extensions" / "vtex_program.txt").read_text().strip()
+    assert Path(named).samefile(script())
+
+
+@pytest.mark.skipif(os.name == "nt", reason="needs a shell of Unix")
+def test_the_packaged_program_reports_a_closed_output(photo_path, tmp_path):
+    line = [sys.executable, "-m", "vtex", "texture", str(photo_path), *SMALL, "-o", "-"]
+    closed = ["sh", "-c", 'exec "$@" >&-', "sh", *line]
+    result = subprocess.run(closed, stderr=subprocess.PIPE, cwd=tmp_path, timeout=120)
+    assert result.returncode == 1 and b"it is closed" in result.stderr
+
+
+@pytest.mark.skipif(os.name == "nt", reason="needs pipes of Unix")
+def test_a_reader_may_leave_the_packaged_program(tmp_path):
+    reading, writing = os.pipe()
+    os.close(reading)
+    try:
+        line = [sys.executable, "-m", "vtex", "--help"]
+        result = subprocess.run(line, stdout=writing, stderr=subprocess.PIPE, cwd=tmp_path, timeout=120)
+    finally:
+        os.close(writing)
+    assert (result.returncode, result.stderr) == (0, b"")
+
+
+@pytest.mark.skipif(os.name == "nt", reason="no SIGINT for a child here")
+def test_control_c_ends_the_packaged_program(photo_path, tmp_path):
+    # The first picture of a stage is written while Ctrl-C is handled; the whole takes many seconds more.
+    arguments = ("texture", photo_path, "--segmenter", "regions", "--size", "6000", "--quiet")
+    line = [sys.executable, "-m", "vtex", *map(str, arguments), "--debug-dir", "stages", "-o", "out.svg"]
+    with subprocess.Popen(line, stdout=subprocess.PIPE, stderr=subprocess.PIPE, cwd=tmp_path) as child:
+        latest = time.monotonic() + 60
+        while not list(tmp_path.glob("stages/*.png")):
+            assert child.poll() is None and time.monotonic() < latest
+            time.sleep(0.02)
+        began = time.monotonic()
+        child.send_signal(signal.SIGINT)
+        out, err = child.communicate(timeout=60)
+    assert (child.returncode, out) == (130, b"")
+    assert err.strip() == b"error: interrupted"
+    assert time.monotonic() - began < 10
+    assert not (tmp_path / "out.svg").exists()

@@ -219,7 +219,7 @@ pub(crate) fn library_of(
     let is_tiny = (0..2).any(|k| size[k] / exemplar.copies[k] < Exemplar::SMALLEST_SIDE);
     if wrap && analysis.wrap.is_none() && !is_tiny {
         reporter.hint(
-            "the photograph's borders join, so its texture runs on across them; not so with --wrap=off",
+            "opposite borders of the photograph join, so elements may cross them; to treat them as borders, give --wrap=off",
         );
     }
     if let Some(hint) = hints::of_library(&library) {

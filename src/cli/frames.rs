@@ -49,7 +49,7 @@ impl Frames<'_> {
         }
         if name(count + 1).exists() {
             self.reporter.warn(&format!(
-                "the folder holds frames of another animation as well, from '{}' on",
+                "the folder contains frames of another animation as well, from '{}' on",
                 name(count + 1).display()
             ));
         }

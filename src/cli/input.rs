@@ -150,7 +150,8 @@ impl InputKind {
         }
         let known = wanted.iter().filter(|k| **k != Self::Unknown);
         let names: Vec<&str> = known.map(|k| k.name()).collect();
-        let found = if bytes.is_empty() { "is empty".to_owned() } else { format!("holds {}", kind.name()) };
+        let found =
+            if bytes.is_empty() { "is empty".to_owned() } else { format!("contains {}", kind.name()) };
         let failure = Failure::failed(format!("'{}' {found}, not {}", input.name(), names.join(", not ")));
         Err(match kind {
             Self::Library => failure.hint("make a texture of it with 'vtex synth'"),

@@ -7,6 +7,7 @@ mod command;
 mod commands;
 mod common;
 mod config;
+pub(crate) mod executable;
 pub(crate) mod exit;
 pub(crate) mod failure;
 mod foreign;

@@ -195,7 +195,7 @@ impl ModelFolder {
             let named: Vec<String> = files.iter().map(|f| f.display().to_string()).collect();
             let failure = Failure::failed(format!("none of {} is an ONNX file", named.join(", ")));
             return Err(failure
-                .hint("name encoder.onnx and decoder.onnx, or one file that holds both")
+                .hint("name encoder.onnx and decoder.onnx, or one file that contains both")
                 .into());
         }
         let place = self.folder.join(name);

@@ -22,7 +22,7 @@ use vtex::output::file::{FileKind, Format, gzip, remove_abandoned, write_file};
 use vtex::output::reduce::{self, GivenUp};
 use vtex::output::seal::Sealed;
 use vtex::output::{pdf, png, svg};
-use vtex::scene::{Length, Scene, page_at};
+use vtex::scene::{Length, LengthUnit, Scene, page_at};
 use vtex::{Error, Progress, Result};
 
 /// A file, standard output or memory.
@@ -127,9 +127,14 @@ impl DrawingOptions<'_> {
         }))
     }
 
-    /// Size of a scene that is written in a format, in pixels, as [`Scene::picture_size`].
+    /// Size of a scene that is written in a format, in pixels: that of a picture, or of the canvas of a vector file on a
+    /// page in lengths.
     pub(crate) fn size_of(&self, scene: &Scene, format: Format) -> [u32; 2] {
-        scene.picture_size(if format == Format::Png { self.render.scale } else { 1.0 })
+        match (format, self.page(scene)) {
+            (Format::Png, _) => scene.picture_size(self.render.scale),
+            (_, Some(page)) if page[0].unit() != LengthUnit::Pixel => [scene.width, scene.height],
+            _ => scene.picture_size(1.0),
+        }
     }
 }
 

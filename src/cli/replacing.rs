@@ -66,7 +66,7 @@ pub(crate) fn ask(
     let Some(first) = lost.first() else { return Ok(None) };
     let path = first.path.display();
     let of = if first.names.is_empty() { String::new() } else { format!(" of {}", first.names.join(", ")) };
-    let texture = format!("'{path}' holds another texture{of}, with the seed {}", first.seed);
+    let texture = format!("'{path}' contains another texture{of}, with the seed {}", first.seed);
     let asks = !common.quiet && !common.json && io::stdin().is_terminal() && io::stderr().is_terminal();
     if !asks {
         let size = first.size.map_or(String::new(), |[w, h]| format!(" --size {w}x{h}"));

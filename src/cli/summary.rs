@@ -259,6 +259,17 @@ impl ElementCounts {
             background: scene.layers.iter().filter_map(|l| l.field.as_ref()).map(|f| f.points.len()).sum(),
         }
     }
+
+    /// Counts of what a file of the scene contains, if it was reduced to a limit of bytes.
+    fn reduced(self, given_up: Option<&GivenUp>) -> Self {
+        let Some(given_up) = given_up else { return self };
+        Self {
+            primaries: self.primaries.saturating_sub(given_up.primaries),
+            details: self.details.saturating_sub(given_up.details),
+            secondaries: self.secondaries.saturating_sub(given_up.elements),
+            ..self
+        }
+    }
 }
 
 /// Number of the motifs of a number of elements.
@@ -443,9 +454,10 @@ impl Summary {
         }
         let mut line = format!("{}: {} x {} px", self.output, self.size[0], self.size[1]);
         if let Some([width, height]) = self.page.filter(|page| page[0].unit() != LengthUnit::Pixel) {
-            line.push_str(&format!(" on a page of {width} x {height}"));
+            let dpi = f64::from(self.size[0]) / width.inches();
+            line.push_str(&format!(" on a page of {width} x {height} ({dpi:.0} dpi)"));
         }
-        if let Some(c) = self.counts {
+        if let Some(c) = self.counts.map(|counts| counts.reduced(self.given_up.as_ref())) {
             let small = match c.secondaries {
                 0 => String::new(),
                 n => format!(" and {}", counted(n, "small one", "small ones")),
@@ -487,10 +499,10 @@ impl Summary {
             say(&motifs);
         }
         if let Some(given_up) = &self.given_up {
-            say(&format!("given up to make it as small: {}", reductions(given_up)));
+            say(&format!("reduced to stay within the limit of bytes: {}", reductions(given_up)));
         }
         if let (Some(seed), true) = (self.seed, common.seed_chosen) {
-            say(&format!("seed: {seed} (give --seed {seed} for the same again)"));
+            say(&format!("seed: {seed} (give --seed {seed} to make the same again)"));
         }
         if common.verbosity > 0 {
             self.print_details();

@@ -335,7 +335,7 @@ fn what_cannot_be_filled_is_refused() {
         "'blank.svg' cannot be used as a context",
     );
     fails("whole.lib.json --context picture.svg --region region.svg", 1, "has a filter");
-    fails("whole.lib.json --context photo.png --region region.svg", 1, "holds an image");
+    fails("whole.lib.json --context photo.png --region region.svg", 1, "contains an image");
     let both = format!("{beside} --region region.svg");
     fails(&format!("{both} --method clustered"), 2, "whose elements end");
     fails(&format!("{both} --method period"), 2, "--context is for --method curves and clustered");

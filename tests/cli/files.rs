@@ -77,7 +77,7 @@ fn a_terminal_is_asked_before_a_picture_of_another_seed_is_replaced() {
     folder.write("photo.png", other);
     let (code, shown) = on_terminal(folder.command(texture), "n\n");
     assert_eq!(code, Some(1));
-    assert!(shown.contains("'t-1.svg' holds another texture of photo.png"), "{shown}");
+    assert!(shown.contains("'t-1.svg' contains another texture of photo.png"), "{shown}");
     assert!(shown.contains("and so do 2 more files; replace it? [y/N]"), "{shown}");
 }
 

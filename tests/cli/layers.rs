@@ -234,7 +234,7 @@ fn terrain_has_sixteen_bits_in_and_out() {
 fn other_files_are_told_apart() {
     let folder = Folder::with_library();
     folder.run("synth photo.lib.json -o out.scene.json --size 60").succeeds();
-    folder.run("layers out.scene.json -o x.png").fails(1, "holds a scene");
+    folder.run("layers out.scene.json -o x.png").fails(1, "contains a scene");
     folder.run("layers photo.lib.json -o x.png").fails(1, "give --layers 2 or a painted");
 }
 

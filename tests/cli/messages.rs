@@ -97,12 +97,16 @@ fn what_fails_says_why_and_what_to_try() {
         ("texture photo.heic", "'photo.heic' is a HEIC picture", "hint: export it as JPEG or PNG"),
         ("vectorize photo.heic", "'photo.heic' is a HEIC picture", "hint: export it as JPEG or PNG"),
         ("synth photo.lib.json --density photo.heic", "a HEIC picture", "hint: export it as JPEG or PNG"),
-        ("analyze photo.lib.json", "'photo.lib.json' holds a library, not an image", "hint: make a texture"),
-        ("synth photo.png", "'photo.png' holds an image, not a library", "hint: make a library"),
-        ("synth scene.svg", "'scene.svg' holds an SVG, not a library", "hint: "),
+        (
+            "analyze photo.lib.json",
+            "'photo.lib.json' contains a library, not an image",
+            "hint: make a texture",
+        ),
+        ("synth photo.png", "'photo.png' contains an image, not a library", "hint: make a library"),
+        ("synth scene.svg", "'scene.svg' contains an SVG, not a library", "hint: "),
         ("synth text.txt", "'text.txt' is not a valid vtex-library file", "hint: make a library"),
-        ("inspect text.txt", "holds something else", "hint: libraries are made by"),
-        ("render photo.png -o new.png", "holds an image", "hint: "),
+        ("inspect text.txt", "contains something else", "hint: libraries are made by"),
+        ("render photo.png -o new.png", "contains an image", "hint: "),
         (
             "synth photo.lib.json -o nowhere/out.svg",
             "cannot write 'nowhere/out.svg'",
@@ -133,13 +137,17 @@ fn files_that_do_not_steer_say_so_before_the_work() {
     let libraries = "photo.lib.json photo.lib.json photo.lib.json";
     for (arguments, message, hint) in [
         ("--domain none.svg", "cannot read 'none.svg'", "spelling"),
-        ("--domain photo.png", "'photo.png' holds an image, not an SVG", "--domain-mask"),
+        ("--domain photo.png", "'photo.png' contains an image, not an SVG", "--domain-mask"),
         ("--domain text.txt", "'text.txt' cannot be used as a shape", "must be an SVG"),
         ("--domain open.svg", "its path is open", "end its path data with Z"),
-        ("--domain-mask open.svg", "'open.svg' holds an SVG, not an image", "--domain"),
+        ("--domain-mask open.svg", "'open.svg' contains an SVG, not an image", "--domain"),
         ("--domain-mask black.png", "nothing in it is white", "white is inside"),
         ("--domain-mask text.txt", "cannot decode 'text.txt'", "PNG"),
-        ("--density photo.lib.json", "'photo.lib.json' holds a library, not an image", "a map is a picture"),
+        (
+            "--density photo.lib.json",
+            "'photo.lib.json' contains a library, not an image",
+            "a map is a picture",
+        ),
     ] {
         for command in ["synth photo.lib.json", "texture photo.png"] {
             let run = folder.run(&format!("{command} {arguments} -o out.svg")).fails(1, message);
@@ -173,10 +181,14 @@ fn a_warp_that_cannot_be_says_why() {
         ("photo.lib.json --cage square.svg --to mirrored.svg", "opposite directions", "moving the points"),
         ("photo.lib.json --cage square.svg --to crossed.svg", "crosses itself", "undo the crossing"),
         ("photo.lib.json --cage two.svg --to square.svg", "it has 2 rings", "a cage is one ring"),
-        ("photo.lib.json --cage photo.png --to square.svg", "holds an image, not an SVG", "a cage is drawn"),
+        (
+            "photo.lib.json --cage photo.png --to square.svg",
+            "contains an image, not an SVG",
+            "a cage is drawn",
+        ),
         ("other.lib.json --stretch 2", "its elements are not those of the scene", "made from"),
         ("photo.lib.json photo.lib.json --stretch 2", "the scene was made without it", "made from"),
-        ("photo.png --stretch 2", "'photo.png' holds an image, not a library", "vtex analyze"),
+        ("photo.png --stretch 2", "'photo.png' contains an image, not a library", "vtex analyze"),
     ] {
         let run = folder.run(&format!("warp a.scene.json {arguments} -o out.svg")).fails(1, message);
         assert!(run.stderr.contains(hint), "{arguments}: {}", run.stderr);
@@ -251,7 +263,7 @@ fn messages_say_what_is_wrong_in_a_line() {
         ("analyze cut.bmp", "the file ends in the middle", ""),
         ("analyze cut.gif", "cannot decode 'cut.gif' as an image: ", ""),
         ("analyze cut.tiff", "cannot decode 'cut.tiff' as an image: ", ""),
-        ("analyze broken.lib.json -o new.lib.json", "holds a library, not an image", "vtex synth"),
+        ("analyze broken.lib.json -o new.lib.json", "contains a library, not an image", "vtex synth"),
         ("synth broken.lib.json", "'broken.lib.json' is not a valid vtex-library file: ", "vtex analyze"),
         ("render broken.scene.json", "'broken.scene.json' is not a valid vtex-scene file: ", "vtex synth"),
         ("inspect broken.scene.json", "line 1 column", ""),
@@ -401,11 +413,11 @@ fn an_svg_says_what_it_is_and_where_its_scene_comes_from() {
     assert_eq!((&json["seed"], &json["recipe"]["command"]), (&5.into(), &"texture".into()));
     assert!(json["categories"].as_array().is_some_and(|list| !list.is_empty()));
     let run: Run = folder.command("edit out.svg --op").arg("thin 0.5").output().unwrap().into();
-    let run = run.fails(1, "holds an SVG, not a scene");
+    let run = run.fails(1, "contains an SVG, not a scene");
     assert!(run.stderr.contains("vtex texture PHOTO --again out.svg -o out.scene.json"), "{}", run.stderr);
     folder.run("analyze photo.png --seed 5").succeeds();
     folder.run("synth photo.lib.json -o made.svg --size 60 --seed 5").succeeds();
-    let run = folder.run("edit made.svg --op flatten").fails(1, "holds an SVG, not a scene");
+    let run = folder.run("edit made.svg --op flatten").fails(1, "contains an SVG, not a scene");
     let hint = "repeat the command that wrote it, with --seed 5 -o made.scene.json";
     assert!(run.stderr.contains(hint) && !run.stderr.contains("--again"), "{}", run.stderr);
     folder.write("plain.svg", "<svg xmlns='http://www.w3.org/2000/svg' width='9' height='9'/>");
@@ -547,7 +559,7 @@ fn foreign_objects_are_counted() {
     );
     let run = folder.run("render a.svg -o a.png").succeeds();
     assert!(
-        run.stderr.contains("'a.svg' holds 2 <foreignObject>, which vtex does not draw"),
+        run.stderr.contains("'a.svg' contains 2 <foreignObject>, which vtex does not draw"),
         "{}",
         run.stderr
     );
@@ -571,7 +583,7 @@ fn words_fit_what_they_are_about() {
         "<svg xmlns='http://www.w3.org/2000/svg' width='0.0002' height='0.0003'><path d='M0 0H1V1z'/></svg>";
     folder.write("tiny.svg", tiny);
     folder.run("analyze tiny.svg").fails(1, "its page has 0.0002 x 0.0003 units");
-    let run = folder.run("synth tiny.svg -o t.svg").fails(1, "'tiny.svg' holds an SVG, not a library");
+    let run = folder.run("synth tiny.svg -o t.svg").fails(1, "'tiny.svg' contains an SVG, not a library");
     assert!(run.stderr.contains("'vtex analyze'"), "{}", run.stderr);
     // A shape that holds a third of the canvas wants less than the exemplar has.
     let shape =

@@ -181,7 +181,7 @@ fn a_limit_of_bytes_is_kept_and_what_it_cost_is_told() {
     assert_eq!((&run.json()["given_up"], &run.json()["bytes"]), (&cost, &most.into()));
     assert_eq!(folder.read("e.svg"), folder.read("c.svg"));
     let told = folder.run(&format!("{fine} -o e.svg --max-bytes {most}")).succeeds().stderr;
-    assert!(told.contains("given up to make it as small: numbers have 1 decimal"), "{told}");
+    assert!(told.contains("reduced to stay within the limit of bytes: numbers have 1 decimal"), "{told}");
     folder.run(&format!("{fine} -o e.png --pattern e.svg --max-bytes {pattern}")).succeeds();
     assert_eq!(folder.read("e.svg"), folder.read("d.svg"));
     // The packed file fits without reductions.
@@ -441,8 +441,7 @@ fn a_tile_that_holds_no_whole_periods_names_the_size_that_does() {
     let folder = Folder::with_library();
     let told = folder.run("inspect photo.lib.json").succeeds().text().to_owned();
     assert!(told.contains("px: textures keep to them"), "{told}");
-    let run =
-        folder.run("synth photo.lib.json --size 50 --tile -o a.svg").fails(1, "whole periods of its lattice");
+    let run = folder.run("synth photo.lib.json --size 50 --tile -o a.svg").fails(1, "whole rows");
     let size = run.stderr.split("give --size ").nth(1).and_then(|rest| rest.split(',').next()).unwrap();
     folder.run(&format!("synth photo.lib.json --size {size} --tile -o a.svg")).succeeds();
     folder.run("synth photo.lib.json --size 50 --tile --lattice off -o b.svg").succeeds();

@@ -68,9 +68,9 @@ fn what_makes_no_page_is_refused() {
         ("inspect photo.lib.json -o report.txt", 2, "cannot tell the format"),
         ("inspect out.scene.json out.scene.json -o a.html", 2, "is a second scene"),
         ("inspect - - -o a.html", 2, "'-' stands for more than one file"),
-        ("inspect photo.png -o a.html", 1, "holds an image"),
+        ("inspect photo.png -o a.html", 1, "contains an image"),
         ("inspect photo.lib.json -o a.html --exemplar none.png", 1, "cannot read 'none.png'"),
-        ("inspect photo.lib.json -o a.html --exemplar out.scene.json", 1, "holds a scene"),
+        ("inspect photo.lib.json -o a.html --exemplar out.scene.json", 1, "contains a scene"),
         ("inspect photo.lib.json -o missing/a.html", 1, "cannot write"),
     ] {
         folder.run(arguments).fails(code, message);

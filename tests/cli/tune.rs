@@ -56,7 +56,7 @@ fn missing_and_foreign_weights_are_named() {
     folder.run("synth photo.lib.json --weights tuned").fails(1, "not a valid vtex-weights file");
     folder.run(TUNE).fails(1, "was not written by vtex");
     folder.run(&format!("{TUNE} --force")).succeeds();
-    folder.run("tune photo.png").fails(1, "holds an image, not a library");
+    folder.run("tune photo.png").fails(1, "contains an image, not a library");
     let names = ["photo.lib.json", "photo.png", "photo.tuned.weights.json"];
     assert_eq!(folder.names(), names);
 }

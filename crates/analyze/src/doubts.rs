@@ -29,7 +29,7 @@ pub(super) fn about_placing(primaries: &[ExemplarElement]) -> Option<String> {
 pub(super) fn about_masks(masks: &[ScoredMask], primaries: &[ExemplarElement]) -> Option<String> {
     if primaries.is_empty() {
         return Some(
-            "no primary element was found: the result holds background and secondaries only \
+            "no primary element was found: the result contains background and secondaries only \
              (try another segmenter, masks of your own, or a photograph with distinct elements)"
                 .into(),
         );

@@ -104,8 +104,8 @@ pub enum Error {
         /// The range allowed; of a method, what it works for, as in `for a single library`.
         allowed: Cow<'static, str>,
     },
-    /// A texture that repeats has no room for whole periods of the lattice.
-    #[error("a texture of {width} x {height} px that repeats does not hold whole periods of its lattice{}",
+    /// A texture that repeats does not contain whole periods of the lattice.
+    #[error("a repeating texture of {width} x {height} px does not contain whole rows{}",
         nearest.map_or(String::new(), |[w, h]| format!(": {w} x {h} px does")))]
     Periods {
         /// Width asked for, in pixels.
@@ -117,7 +117,7 @@ pub enum Error {
     },
     /// The size of a texture that repeats is not a whole number of periods of its drawing.
     #[error(
-        "a texture of {} x {} px that repeats does not hold whole periods of the drawing, {} x {} px each: {} x {} px \
+        "a repeating texture of {} x {} px does not contain whole periods of the drawing, {} x {} px each: {} x {} px \
          does",
         size[0], size[1], period[0], period[1], near[0], near[1]
     )]

@@ -77,7 +77,7 @@ export class Categories {
         make("div", { className: "control" }, select, make("button", { type: "button", textContent: "Move", disabled: !selected.size, "data-key": "move", onclick: move }))),
       make("div", { className: "row" },
         make("button", { type: "button", textContent: "Merge categories", title: "Check two or more; they take the name of the first", disabled: whole.length < 2, "data-key": "merge-categories", onclick: merge }),
-        this.work.elements?.categorized ? make("button", { type: "button", className: "plain", textContent: "Find anew", title: "Leave them to the analysis again", "data-key": "find-categories", onclick: () => this.put([], null) }) : null));
+        this.work.elements?.categorized ? make("button", { type: "button", className: "plain", textContent: "Reset categories", title: "Use the categories of the analysis again", "data-key": "find-categories", onclick: () => this.put([], null) }) : null));
   }
 
   /** A name that no category has. */

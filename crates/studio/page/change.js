@@ -203,7 +203,7 @@ export class Change {
         make("div", { className: "knob" }, make("div", { className: "head" }, make("label", { for: "operation", textContent: "Operation" })),
           make("div", { className: "control" }, select), explanation("operation-words", operation.words)),
         ...knobs,
-        make("div", { className: "knob" }, make("div", { className: "head" }, make("label", { for: "which", textContent: "Done to" })), make("div", { className: "control" }, which)),
+        make("div", { className: "knob" }, make("div", { className: "head" }, make("label", { for: "which", textContent: "Apply to" })), make("div", { className: "control" }, which)),
         make("div", { className: "row" }, make("button", { type: "submit", className: "primary", textContent: "Add" }))));
   }
 }

@@ -217,7 +217,7 @@ function showSave(work) {
       make("button", { type: "button", className: "primary save-button", id: "save-file", onclick: save }),
       make("p", { id: "weight", role: "status", "aria-live": "polite" }),
       make("h2", { textContent: "Kept" }), make("p", { id: "kept" }),
-      make("div", { className: "row" }, make("button", { type: "button", textContent: "Begin anew", title: "All that was set goes; undo brings it back", onclick: () => tell("anew") })));
+      make("div", { className: "row" }, make("button", { type: "button", textContent: "Start over", title: "Remove all settings and changes; undo brings them back", onclick: () => tell("anew") })));
   }
   find("save-now").textContent = `Save ${FORMATS.find(([value]) => value === format)[1]}`;
   find("scale-row").hidden = format !== "png";

@@ -145,7 +145,7 @@ impl DoctorReport {
             text.push_str(&show(model));
         }
         if !self.missing.is_empty() {
-            text.push_str(&format!("\n{head}missing{head:#}\n"));
+            text.push_str(&format!("\n{head}optional, not found{head:#}\n"));
         }
         for what in &self.missing {
             text.push_str(&format!("  {}\n", escaped(what)));

@@ -160,7 +160,7 @@ fn run(common: &Common, reporter: &Reporter, input: &Input, tuning: &Tuning) -> 
     ));
     say(table(&tuned).trim_end());
     if common.seed_chosen {
-        say(&format!("seed: {0} (give --seed {0} for the same again)", tuned.seed));
+        say(&format!("seed: {0} (give --seed {0} to make the same again)", tuned.seed));
     }
     if tuned.after.objective() < tuned.before.objective() {
         say(&format!("use them with 'vtex synth {} --weights {name}'", input.name()));

@@ -108,7 +108,7 @@ pub(crate) fn played(
         None => Err(Failure::usage(format!("cannot tell the kind of animation from '{}'", path.display()))
             .hint(format!(
                 "give -o a name that ends in .svg, .svgz, .gif, .png or .apng, or the name of a folder; \
-                 other files hold one scene: {otherwise}"
+                 other files contain one scene: {otherwise}"
             ))),
     }
 }

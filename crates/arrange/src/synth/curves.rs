@@ -226,7 +226,7 @@ fn continued(
         return Err(Error::Control {
             name: context.drawing.source.file.clone(),
             role: "a context",
-            reason: "it holds no lines".into(),
+            reason: "it contains no lines".into(),
             advice: "draw strokes or long thin shapes in it, which the texture goes on from, or leave it out",
         });
     }

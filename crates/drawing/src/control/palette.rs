@@ -25,11 +25,14 @@ pub fn palette(bytes: &[u8], name: &str) -> Result<Vec<Colour>> {
         |reason: String, advice| Error::Control { name: name.into(), role: "a palette", reason, advice };
     match colours.len() {
         0 => Err(fail(
-            "it holds no colour".into(),
+            "it contains no colour".into(),
             "write colours as #aabbcc, one a line, or give a GIMP palette",
         )),
         1..=MOST => Ok(colours),
-        _ => Err(fail(format!("it holds more than {MOST} colours"), "a palette needs few colours, some ten")),
+        _ => Err(fail(
+            format!("it contains more than {MOST} colours"),
+            "a palette needs few colours, some ten",
+        )),
     }
 }
 

@@ -97,7 +97,7 @@ pub fn cage(bytes: &[u8], name: &str) -> Result<(Outline, [u32; 2])> {
     let FileShapes { paths, size } = reader.read(bytes)?;
     let [(path, _)] = &paths[..] else {
         const JOIN: &str = "join what belongs together into one path and delete the rest";
-        return Err(reader.fail(format!("it holds {} shapes, one is needed", paths.len()), JOIN));
+        return Err(reader.fail(format!("it contains {} shapes, one is needed", paths.len()), JOIN));
     };
     let outline = reader.outline(path)?;
     match rings(outline.path()).count() {
@@ -154,7 +154,7 @@ impl ShapeReader<'_> {
         }
         if found.is_empty() {
             let advice = "draw closed paths, filled or stroked; convert text and bitmaps to paths first";
-            return Err(self.fail("it holds no visible shape", advice));
+            return Err(self.fail("it contains no visible shape", advice));
         }
         if cut {
             let (reason, advice) = ("it is cut by a clip path or mask", "draw the shape itself as a path");
@@ -349,9 +349,9 @@ mod tests {
     #[test]
     fn what_is_no_shape_is_told() {
         for (inner, message) in [
-            ("", "holds no visible shape"),
-            ("<text>A</text>", "holds no visible shape"),
-            (r#"<rect width="9" height="9" visibility="hidden"/>"#, "holds no visible shape"),
+            ("", "contains no visible shape"),
+            ("<text>A</text>", "contains no visible shape"),
+            (r#"<rect width="9" height="9" visibility="hidden"/>"#, "contains no visible shape"),
             (r#"<path d="M0 0H9V9"/>"#, "its path is open"),
             (r#"<line x2="9" y2="9" stroke="red"/>"#, "its path is open"),
             (r#"<path d="M0 0H9V9H0z M20 20h9v9"/>"#, "its path is open"),
@@ -384,7 +384,7 @@ mod tests {
         assert!(anticlockwise.path().area() < 0.0);
         assert_eq!(page, [100, 50]);
         let error = read(r#"<rect width="9" height="9"/><circle r="9"/>"#).unwrap_err();
-        assert!(error.to_string().contains("it holds 2 shapes"), "{error}");
+        assert!(error.to_string().contains("it contains 2 shapes"), "{error}");
         let error = read(r#"<path d="M0 0H40V40H0z M9 9h5v5z"/>"#).unwrap_err();
         assert!(error.to_string().contains("it has 2 rings"), "{error}");
     }

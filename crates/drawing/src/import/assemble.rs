@@ -179,7 +179,7 @@ pub(super) fn assemble(
     let most = width.min(height) / 2;
     let mut warnings = page.warnings.clone();
     if elements.is_empty() {
-        warnings.push("the drawing holds nothing but a background".into());
+        warnings.push("the drawing contains nothing but a background".into());
     }
     let analyze = AnalyzeParams { wrap, ..params.clone() };
     let guide = Guide::of(&origin.picture);

@@ -63,7 +63,7 @@ pub(crate) fn read(bytes: &[u8], name: &str, wrap: Option<bool>, progress: &dyn 
     let found = ink(&image, wrap, &go_on)?.ok_or_else(|| no_lines("no lines stand out from its paper"))?;
     let strokes = strokes(&image, &found, &go_on)?;
     if strokes.is_empty() {
-        return Err(no_lines("it holds areas and specks, but no lines"));
+        return Err(no_lines("it contains areas and specks, but no lines"));
     }
     if found.specks > 0 {
         warnings.push(format!("specks and dots left out ({})", found.specks));

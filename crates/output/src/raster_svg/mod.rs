@@ -115,7 +115,8 @@ fn left_out(document: &Document<'_>, name: &str) -> Option<String> {
     let counts = ["image", "text", "foreignObject"].map(|what| (count(what), what));
     let found: Vec<String> =
         counts.iter().filter(|c| c.0 > 0).map(|(n, what)| format!("{n} <{what}>")).collect();
-    (!found.is_empty()).then(|| format!("'{name}' holds {}, which vtex does not draw", found.join(" and ")))
+    (!found.is_empty())
+        .then(|| format!("'{name}' contains {}, which vtex does not draw", found.join(" and ")))
 }
 
 /// A picture, and open layers above it that are to be clipped.
@@ -377,7 +378,7 @@ mod tests {
         );
         render_svg(text.as_bytes(), 1.0, "mixed.svg", &heard).unwrap();
         render_svg(format!("{RED}</svg>").as_bytes(), 1.0, "red.svg", &heard).unwrap();
-        let wanted = "'mixed.svg' holds 2 <image> and 1 <text>, which vtex does not draw";
+        let wanted = "'mixed.svg' contains 2 <image> and 1 <text>, which vtex does not draw";
         assert_eq!(*heard.0.lock().unwrap(), [wanted]);
     }
 }

@@ -191,7 +191,9 @@ fn too_much(drawn: ViewerLoad) -> Option<String> {
     }
     let expand = if linked && !many { " elements written in full," } else { "" };
     Some(
-        text + &format!("; lighter are a smaller canvas,{expand} a limit of bytes, fewer elements, or a PNG"),
+        text + &format!(
+            "; lighter files: a smaller canvas,{expand} a limit of bytes, fewer elements, or a PNG"
+        ),
     )
 }
 

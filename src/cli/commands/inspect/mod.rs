@@ -27,7 +27,7 @@ pub(crate) struct InspectArgs {
     #[arg(value_name = "FILE", required = true)]
     pub(crate) file: Vec<PathBuf>,
     /// Write a page for a browser, .html: pictures with layers and a slider, categories, distributions; -
-    /// writes it to stdout [default: none, what the file holds is printed]
+    /// writes it to stdout [default: none, what the file contains is printed]
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
     #[command(flatten)]

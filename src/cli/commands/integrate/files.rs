@@ -2,6 +2,7 @@
 
 use super::host::HostFacts;
 use super::programs::{is_executable, make_executable};
+use crate::cli::executable;
 use crate::cli::failure::Failure;
 use crate::cli::output::Destination;
 use serde::Serialize;
@@ -64,7 +65,7 @@ impl Installation {
     /// # Errors
     /// If the path of the running program is unknown, or is not text.
     pub(crate) fn new(host: &'static HostFacts, folder: PathBuf) -> anyhow::Result<Self> {
-        let path = std::env::current_exe()
+        let path = executable::path()
             .map_err(|e| Failure::failed(format!("the path of the program is unknown: {e}")))?;
         let Some(text) = path.to_str() else {
             let failure = Failure::failed(format!("the path '{}' is not UTF-8", path.display()));

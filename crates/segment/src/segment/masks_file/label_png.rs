@@ -18,7 +18,7 @@ pub(super) fn read_png(
     let (info, bits) = (reader.info(), reader.info().bit_depth as usize);
     check([info.width, info.height])?;
     if !matches!(info.color_type, png::ColorType::Grayscale | png::ColorType::Indexed) {
-        return Err(fail("it holds colours; labels must be grey values or palette indices".into()));
+        return Err(fail("it contains colours; labels must be grey values or palette indices".into()));
     }
     let length = reader.output_buffer_size().ok_or_else(|| fail("its size overflows".into()))?;
     let mut data = vec![0; length];
@@ -38,7 +38,7 @@ pub(super) fn read_png(
         }
     }
     if labels.len() != width * height {
-        return Err(fail("it holds fewer rows than it says".into()));
+        return Err(fail("it contains fewer rows than it says".into()));
     }
     Ok(LabelMap { width: frame.width, height: frame.height, labels })
 }

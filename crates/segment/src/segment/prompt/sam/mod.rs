@@ -81,7 +81,7 @@ impl Sam {
             let twice = |role: &str| Error::Network {
                 name: name.clone(),
                 reason: format!("it is a second {role}"),
-                advice: "give one encoder and one decoder, or one file that holds both",
+                advice: "give one encoder and one decoder, or one file that contains both",
             };
             match part(network.as_ref(), &name)? {
                 GraphRole::Encoder(part) => {
