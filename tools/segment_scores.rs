@@ -9,9 +9,10 @@
 //! Prints recall, the share of true elements of at least 30 visible pixels that a mask matches (IoU of
 //! at least 0.7), and the share of masks that match none. Segmenters: `texton`; the masks of its network
 //! alone, better ones over worse; `regions`; plain Felzenszwalb with the fixed parameters of the best
-//! F-score on other scenes. `--labels` does the same on the crops of `tests/labels`. `--photos` draws
-//! outlines over every picture of a folder instead. `--grid` prints the share of masks of a full grid
-//! of prompts that the coarse-to-fine search finds too, and the share of prompts that it needs.
+//! F-score on other scenes. `--labels` does the same on the crops of `tests/labels`, for each of the two
+//! lists there. `--photos` draws outlines over every picture of a folder instead. `--grid` prints the
+//! share of masks of a full grid of prompts that the coarse-to-fine search finds too, and the share of
+//! prompts that it needs.
 
 use std::path::{Path, PathBuf};
 use vtex::raster::{LabelMap, Mask, Span, picture};
@@ -113,16 +114,23 @@ impl Segmenter for NetworkAlone {
 type Methods<'a> = [(&'a str, Box<dyn Segmenter>)];
 
 fn header(methods: &Methods) {
-    print!("{:12} {:>9}", "", "");
+    print!("{:20} {:>9}", "", "");
     methods.iter().for_each(|(name, _)| print!("  {name:>9} {:>7}", ""));
-    print!("\n{:12} {:>9}", "", "elements");
+    print!("\n{:20} {:>9}", "", "elements");
     methods.iter().for_each(|_| print!("  {:>9} {:>7}", "found", "false"));
     println!();
 }
 
 fn line(name: &str, tallies: &[Tally]) {
-    print!("{name:12} {:9}", tallies[0].wanted);
+    print!("{name:20} {:9}", tallies[0].wanted);
     tallies.iter().for_each(|t| print!("  {:9.3} {:7.3}", t.found_share(), t.false_share()));
+    println!();
+}
+
+/// A line for the elements of some size, of which masks that match none are not told.
+fn size_line(name: &str, wanted: usize, found: &[usize]) {
+    print!("{name:20} {wanted:9}");
+    found.iter().for_each(|&n| print!("  {:9.3} {:7}", n as f64 / wanted.max(1) as f64, ""));
     println!();
 }
 
@@ -144,47 +152,69 @@ fn compare_scenes(scenes: u64, first: u64, side: u32, methods: &Methods) -> Resu
     }
     line("all", &sums);
     for (bin, size) in SIZES.iter().enumerate() {
-        print!("{size:>5} px up  {:9}", sums[0].wanted_by_size[bin]);
-        for t in &sums {
-            print!("  {:9.3} {:7}", t.found_by_size[bin] as f64 / t.wanted_by_size[bin].max(1) as f64, "");
-        }
-        println!();
+        let found: Vec<usize> = sums.iter().map(|t| t.found_by_size[bin]).collect();
+        size_line(&format!("{size:>5} px up"), sums[0].wanted_by_size[bin], &found);
     }
     Ok(())
 }
 
 fn compare_labels(photos: &Path, methods: &Methods) -> Result<(), Failure> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/labels");
-    header(methods);
-    for name in ["tile_1", "concrete_4", "counter_3", "flowers_1", "ground023"] {
-        let file = std::fs::read_to_string(folder.join(format!("{name}.json")))?;
-        let labels: serde_json::Value = serde_json::from_str(&file)?;
-        let photo = labels["photo"].as_str().ok_or("a label file names its photo")?;
-        let image = image::open(photos.join(photo))?.to_rgb8();
-        let number = |v: &serde_json::Value| v.as_f64().ok_or("labels hold numbers");
-        let crop = labels["crop"].as_array().ok_or("a label file has a crop")?;
-        let crop: Vec<i32> = crop.iter().map(|v| number(v).map(|v| v as i32)).collect::<Result<_, _>>()?;
-        let truth = truth(&labels, &crop)?;
-        let mut sums = Vec::new();
-        for (_, method) in methods {
-            let masks = method.segment(&image, &())?;
-            let clipped = masks.iter().map(|m| ScoredMask { mask: clip(&m.mask, &crop), score: m.score });
-            sums.push(tally(&truth, &clipped.collect::<Vec<_>>()));
+    let readme = std::fs::read_to_string(folder.join("README.md"))?;
+    for title in ["Chosen on", "Reported on"] {
+        println!("\n{title}");
+        header(methods);
+        let mut sums = vec![Tally::default(); methods.len()];
+        let (mut large_wanted, mut large_found) = (0usize, vec![0usize; methods.len()]);
+        for name in listed(&readme, title)? {
+            let (truth, tallies) = compare_photo(&folder.join(format!("{name}.json")), photos, methods)?;
+            line(name, &tallies);
+            let (limit, wanted, found) = upper_third(&truth, &tallies);
+            size_line(&format!(" from {limit}"), wanted, &found);
+            large_wanted += wanted;
+            large_found.iter_mut().zip(found).for_each(|(sum, n)| *sum += n);
+            sums.iter_mut().zip(tallies).for_each(|(sum, t)| sum.add(t));
         }
-        line(name, &sums);
-        // The upper third by area.
-        let mut areas: Vec<u32> = truth.areas_known().into_iter().filter(|&a| a >= LEAST_AREA).collect();
-        areas.sort_unstable();
-        let limit = areas.get(areas.len() * 2 / 3).copied().unwrap_or(0);
-        print!("{:12} {:9}", format!(" from {limit}"), areas.iter().filter(|&&a| a >= limit).count());
-        for t in &sums {
-            let large = t.found_areas.iter().filter(|&&a| a >= limit).count();
-            let all = areas.iter().filter(|&&a| a >= limit).count();
-            print!("  {:9.3} {:7}", large as f64 / all.max(1) as f64, "");
-        }
-        println!();
+        line("all", &sums);
+        size_line(" upper thirds", large_wanted, &large_found);
     }
     Ok(())
+}
+
+/// The names in one list of the labels' README; the list ends with its sentence.
+fn listed<'a>(readme: &'a str, title: &str) -> Result<Vec<&'a str>, Failure> {
+    let start = format!("- **{title}**: ");
+    let list = readme.lines().find_map(|l| l.strip_prefix(start.as_str())?.split_once('.'));
+    let (names, _) = list.ok_or(format!("tests/labels/README.md has no list '{title}'"))?;
+    Ok(names.split(", ").collect())
+}
+
+/// The elements of a label file, and what each method finds of them.
+fn compare_photo(file: &Path, photos: &Path, methods: &Methods) -> Result<(LabelMap, Vec<Tally>), Failure> {
+    let labels: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(file)?)?;
+    let photo = labels["photo"].as_str().ok_or("a label file names its photo")?;
+    let image = image::open(photos.join(photo))?.to_rgb8();
+    let number = |v: &serde_json::Value| v.as_f64().ok_or("labels hold numbers");
+    let crop = labels["crop"].as_array().ok_or("a label file has a crop")?;
+    let crop: Vec<i32> = crop.iter().map(|v| number(v).map(|v| v as i32)).collect::<Result<_, _>>()?;
+    let truth = truth(&labels, &crop)?;
+    let mut tallies = Vec::new();
+    for (_, method) in methods {
+        let masks = method.segment(&image, &())?;
+        let clipped = masks.iter().map(|m| ScoredMask { mask: clip(&m.mask, &crop), score: m.score });
+        tallies.push(tally(&truth, &clipped.collect::<Vec<_>>()));
+    }
+    Ok((truth, tallies))
+}
+
+/// The upper third of the elements by area: its least area, how many they are, and how many of them
+/// each method found.
+fn upper_third(truth: &LabelMap, tallies: &[Tally]) -> (u32, usize, Vec<usize>) {
+    let mut areas: Vec<u32> = truth.areas_known().into_iter().filter(|&a| a >= LEAST_AREA).collect();
+    areas.sort_unstable();
+    let limit = areas.get(areas.len() * 2 / 3).copied().unwrap_or(0);
+    let large = |areas: &[u32]| areas.iter().filter(|&&a| a >= limit).count();
+    (limit, large(&areas), tallies.iter().map(|t| large(&t.found_areas)).collect())
 }
 
 fn compare_grids(folder: &Path) -> Result<(), Failure> {

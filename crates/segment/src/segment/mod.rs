@@ -1,5 +1,7 @@
 //! Image → masks: candidates for textons. Knows nothing of textons.
 
+#[cfg(feature = "onnx")]
+mod courses;
 mod disjoint;
 mod felzenszwalb;
 mod flood;

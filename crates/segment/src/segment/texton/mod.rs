@@ -21,6 +21,7 @@ mod winograd;
 pub use features::FEATURES;
 pub use network::TextonNetwork;
 
+use super::courses::whole_cells;
 use super::prompt::{Cost, FoundMask, GeneratorParams, View};
 use super::regions::nodes;
 use super::similar::{Measured, SimilarMask, SimilarMasks};
@@ -208,7 +209,7 @@ impl Segmenter for Texton {
     }
 
     fn segment(&self, image: &RgbImage, progress: &dyn Progress) -> Result<Vec<ScoredMask>> {
-        tiles::segment(image, &|image| {
+        let masks = tiles::segment(image, &|image| {
             let candidates = self.candidates(image, progress)?;
             let judged = |c: &MaskCandidate| score(weights::NETWORK.score(&c.features), &c.features);
             let scores = map(&candidates, judged);
@@ -216,7 +217,8 @@ impl Segmenter for Texton {
             let offers: Vec<ScoredMask> =
                 scored.map(|(c, score)| ScoredMask { mask: c.mask, score }).collect();
             Ok(disjoint(&offers, image.width(), image.height()))
-        })
+        })?;
+        Ok(whole_cells(masks, image))
     }
 }
 

@@ -1,0 +1,73 @@
+//! Bricks and tiles in rows: what lies between joints is one element, whatever its stains.
+//!
+//! Rows of a picture are known from its lattice. The strip between two rows in which colours vary least, at one phase of
+//! the period, is their *joint* ([`joint`]). What has its colours across a row divides the row into *cells* ([`cells`]).
+//! Each cell that is filled becomes one mask, and replaces the patches within it.
+//!
+//! Works badly where joints have the colours of the bricks, and where they differ much from row to row: then rows have no
+//! clear joint, and masks stay as they are.
+
+mod cells;
+mod joint;
+
+use super::ScoredMask;
+use cells::cells;
+use image::RgbImage;
+use joint::Joint;
+use vtex_base::raster::blur::oklab_planes;
+use vtex_base::raster::{LabelMap, Mask};
+use vtex_scene::lattice;
+
+/// Fewest cells of a picture that are believed, and least share of the rows' parts between joints that are cells.
+const FEWEST: usize = 8;
+const LEAST_SHARE: f64 = 0.6;
+/// Least share of a mask within a cell for which the cell replaces it.
+const WITHIN: f64 = 0.5;
+/// Least share of a mask in joints for which it is left out.
+const IN_JOINTS: f64 = 0.6;
+
+/// Masks in which each cell of the picture's rows is one; unchanged where it has no rows with clear joints.
+pub(super) fn whole_cells(masks: Vec<ScoredMask>, image: &RgbImage) -> Vec<ScoredMask> {
+    let Some(lattice) = lattice::find(image, false).filter(lattice::Lattice::is_kept) else { return masks };
+    let planes = oklab_planes(image, 1);
+    let Some(joint) = Joint::new(&planes, &lattice) else { return masks };
+    let found = cells(&joint);
+    if found.masks.len() < FEWEST || (found.masks.len() as f64) < LEAST_SHARE * found.sought as f64 {
+        return masks;
+    }
+    let mut labels = LabelMap::filled(image.width(), image.height(), 0);
+    for (label, mask) in (1..).zip(&found.masks) {
+        labels.fill(mask, label);
+    }
+    let kept = masks.into_iter().filter_map(|own| {
+        let ScoredMask { mask, score } = own;
+        let mask = outside(mask, &labels, &joint)?;
+        Some(ScoredMask { mask, score })
+    });
+    let cells = found.masks.iter().map(|mask| ScoredMask { mask: mask.clone(), score: 1.0 });
+    cells.collect::<Vec<_>>().into_iter().chain(kept).collect()
+}
+
+/// What a mask has outside cells; `None` if most of it is within one or in joints.
+fn outside(mask: Mask, labels: &LabelMap, joint: &Joint) -> Option<Mask> {
+    let area = f64::from(mask.area());
+    let (mut within, mut in_joints) = (0.0, 0.0);
+    for (x, y) in mask.pixels() {
+        match labels.get(x as u32, y as u32) {
+            0 if joint.has_colours(x as usize, y as usize) => in_joints += 1.0,
+            0 => {}
+            _ => within += 1.0,
+        }
+    }
+    if within >= WITHIN * area || in_joints >= IN_JOINTS * area {
+        return None;
+    }
+    if within == 0.0 {
+        return Some(mask);
+    }
+    let cells = Mask::from_labels(labels, |label| label > 0);
+    Some(mask.without(&cells))
+}
+
+#[cfg(test)]
+mod tests;
