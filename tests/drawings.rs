@@ -1,7 +1,7 @@
 //! Drawings as exemplars: import, refusals, and textures made of them.
 
 use std::collections::BTreeSet;
-use vtex::geometry::{Outline, Point, parse_path};
+use vtex::geometry::{Affine, Outline, Point, Rect, parse_path};
 use vtex::import::{Grouping, ImportParams, import};
 use vtex::library::{AnalyzeParams, ExemplarElement, Library, SourceKind};
 use vtex::output::raster_svg::render_svg;
@@ -277,6 +277,44 @@ fn elements_keep_apart_and_their_number() {
     };
     let ratio = drawn(&moved) / drawn(&still);
     assert!((0.97..1.03).contains(&ratio), "{ratio}");
+}
+
+#[test]
+fn elements_do_not_move_into_empty_rings_nor_across_bands() {
+    // Rings in a band above, all of them empty, and dots that fill the rest.
+    let ring = |k: i32| {
+        format!(
+            r##"<circle cx="{}" cy="17" r="9" fill="none" stroke="#123" stroke-width="1"/>"##,
+            25 * k + 12
+        )
+    };
+    let at = |k: i32| [4 * (k % 25) + 2 + k % 3, 32 + 5 * (k / 25) + (k * 7) % 4];
+    let dot = |k: i32| format!(r#"<circle cx="{}" cy="{}" r=".7"/>"#, at(k)[0], at(k)[1]);
+    let library = of(&(0..4).map(ring).chain((0..200).map(dot)).collect::<String>());
+    let params = SynthParams {
+        width: 300,
+        height: 240,
+        variation: Some(1.0),
+        method: Method::Period,
+        ..SynthParams::default()
+    };
+    let scene = texture(&library, params);
+    let boxes = |small: bool| -> Vec<Rect> {
+        let bounds = scene
+            .instances()
+            .map(|i| Affine::new(i.transform).transform_rect_bbox(scene.element(i).bounds()));
+        bounds.filter(|b| (b.width() < 5.0) == small).collect()
+    };
+    let (dots, rings) = (boxes(true), boxes(false));
+    assert!(dots.len() > 1500 && rings.len() > 30, "{} {}", dots.len(), rings.len());
+    for ring in &rings {
+        let inside = dots.iter().filter(|dot| dot.center().distance(ring.center()) < 8.0).count();
+        assert_eq!(inside, 0, "{ring:?}");
+    }
+    for dot in &dots {
+        let y = dot.center().y.rem_euclid(80.0);
+        assert!(!(10.0..24.0).contains(&y), "{dot:?}");
+    }
 }
 
 #[test]

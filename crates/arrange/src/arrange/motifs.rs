@@ -1,7 +1,8 @@
 //! Drawings whose motifs are placed as single elements, and taken apart afterwards.
 
 use std::collections::BTreeMap;
-use vtex_base::geometry::{Affine, Outline, Point, Vec2, rigid_map, ring_path};
+use std::f64::consts::PI;
+use vtex_base::geometry::{Affine, Outline, Point, SecondMoments, Vec2, rigid_map, ring_path, rotation};
 use vtex_base::raster::LabelMap;
 use vtex_scene::element::{Shape, SimilarTo, bounds};
 use vtex_scene::library::{
@@ -14,6 +15,8 @@ const SAME: f64 = 1e-6;
 /// Least distance of a part's centre from the middle of a motif's, in sides of its bounds, from which the centres tell how
 /// the motif is turned: those of a square in a circle lie apart by chance.
 const APART: f64 = 0.15;
+/// Least elongation of a part that has a direction.
+const DIRECTED: f64 = 1.3;
 
 /// A drawing in which each motif is one element, a *unit*; elements of no motif are units by themselves.
 pub(crate) struct MotifUnits {
@@ -46,6 +49,10 @@ struct UnitMotif {
     numbers: Vec<usize>,
     /// Whether the centres tell how the motif is turned.
     has_direction: bool,
+    /// Directions of the longer axes of the parts, in that order too; `None` for one about as wide as long.
+    axes: Vec<Option<f64>>,
+    /// The part with an axis whose bounds are largest.
+    longest: Option<usize>,
 }
 
 impl MotifUnits {
@@ -104,7 +111,20 @@ impl MotifUnits {
                 let centres: Vec<Point> = parts.iter().map(centre).collect();
                 let all = bounds(&unit.shapes);
                 let apart = |p: &Point| p.distance(mean(&centres)) > APART * all.width().max(all.height());
-                UnitMotif { kind: m.kind, has_direction: centres.iter().any(apart), centres, numbers: sorted }
+                let axes: Vec<Option<f64>> = parts.iter().map(|p| axis(library, p)).collect();
+                let length = |k: &usize| {
+                    let b = bounds(&library.elements[parts[*k].element].shapes);
+                    libm::hypot(b.width(), b.height())
+                };
+                let directed = (0..parts.len()).filter(|&k| axes[k].is_some());
+                UnitMotif {
+                    kind: m.kind,
+                    has_direction: centres.iter().any(apart),
+                    longest: directed.max_by(|a, b| length(a).total_cmp(&length(b))),
+                    axes,
+                    centres,
+                    numbers: sorted,
+                }
             }));
             own.library.elements.push(unit);
             let layer = top(parts).0;
@@ -182,7 +202,7 @@ impl MotifUnits {
 
 impl UnitMotif {
     /// The rigid map to another motif of the kind; mirrored only if that fits better, and not turned if the centres of one
-    /// do not tell how.
+    /// do not tell how. The longest part tells the angle exactly.
     fn map_to(&self, other: &Self) -> Affine {
         if !(self.has_direction && other.has_direction) {
             return Affine::translate(mean(&other.centres) - mean(&self.centres));
@@ -193,8 +213,23 @@ impl UnitMotif {
             (apart.fold(0.0, f64::max), map)
         };
         let (plain, mirrored) = (of(false), of(true));
-        if mirrored.0 + SAME < plain.0 { mirrored.1 } else { plain.1 }
+        let map = if mirrored.0 + SAME < plain.0 { mirrored.1 } else { plain.1 };
+        let Some((own, wanted)) = self.longest.and_then(|k| self.axes[k].zip(other.axes[k])) else {
+            return map;
+        };
+        let [a, b, c, d, ..] = map.as_coeffs();
+        let (sin, cos) = (libm::sin(own), libm::cos(own));
+        let turn = wanted - libm::atan2(b * cos + d * sin, a * cos + c * sin);
+        let turn = turn - PI * libm::round(turn / PI);
+        let middle = mean(&other.centres).to_vec2();
+        Affine::translate(middle) * rotation(turn) * Affine::translate(-middle) * map
     }
+}
+
+/// The direction of the longer axis of a part; `None` for one about as wide as long.
+fn axis(library: &Library, part: &UnitPart) -> Option<f64> {
+    let moments = SecondMoments::new(library.elements[part.element].outline()).moved(part.map);
+    (moments.elongation() >= DIRECTED).then(|| moments.angle())
 }
 
 /// The mean of points.

@@ -1,6 +1,6 @@
 //! The element on each pixel of the canvas, and a test of distances.
 
-use super::relations::ElementRelations;
+use super::relations::{ElementRelations, with_holes};
 use super::{PeriodCopy, size_of};
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -8,6 +8,7 @@ use std::sync::Arc;
 use vtex_base::error::Result;
 use vtex_base::geometry::{Affine, Point, Rect};
 use vtex_base::raster::Mask;
+use vtex_scene::element::Shape;
 use vtex_scene::library::Library;
 use vtex_scene::scene::{SynthParams, pixels};
 
@@ -25,6 +26,8 @@ pub(super) struct OccupiedCanvas<'a> {
     pub(super) wrap: [bool; 2],
     /// Number of the placed element on each pixel, from 1.
     cells: Vec<u32>,
+    /// Whether the holes of elements are theirs.
+    solid: bool,
     /// Pixels of elements turned about the origin, by element and map. Coefficients are in units of [`STEP`].
     turned: BTreeMap<(usize, [i64; 4]), Arc<Mask>>,
 }
@@ -49,7 +52,7 @@ impl<'a> OccupiedCanvas<'a> {
         let pixels = size[0] as u64 * size[1] as u64;
         let cells = vec![0; if pixels <= most { pixels as usize } else { return None }];
         let turned = BTreeMap::new();
-        Some(Self { library, relations, first, size, canvas, wrap, cells, turned })
+        Some(Self { library, relations, first, size, canvas, wrap, cells, solid: true, turned })
     }
 
     /// The cell of a pixel of the canvas.
@@ -70,16 +73,19 @@ impl<'a> OccupiedCanvas<'a> {
     fn mask(&mut self, p: &PeriodCopy) -> (Arc<Mask>, [i32; 2]) {
         let [a, b, c, d, e, f] = p.map.as_coeffs();
         let shift = [e, f].map(|v| libm::round(v).clamp(-1e9, 1e9) as i32);
+        let is_solid = self.solid && self.relations.solid[p.element].is_some();
         // An endless element, which runs on from period to period, is in the map of the exemplar and has no
         // pixels of its own.
         if [a, b, c, d] == [1.0, 0.0, 0.0, 1.0] || self.library.elements[p.element].clipped {
-            return (Arc::clone(&self.relations.masks[p.element]), shift);
+            let solid = self.relations.solid[p.element].as_ref().filter(|_| is_solid);
+            return (Arc::clone(solid.unwrap_or(&self.relations.masks[p.element])), shift);
         }
         let key = (p.element, [a, b, c, d].map(|v| libm::round(v / STEP) as i64));
         let own = &self.library.elements[p.element];
         let mask = self.turned.entry(key).or_insert_with(|| {
             let turn = Affine::new([a, b, c, d, 0.0, 0.0]);
-            Arc::new(pixels::of_shapes(&own.shapes.iter().map(|s| s.moved(turn)).collect::<Vec<_>>()))
+            let shapes: Vec<Shape> = own.shapes.iter().map(|s| s.moved(turn)).collect();
+            Arc::new(if is_solid { with_holes(&shapes) } else { pixels::of_shapes(&shapes) })
         });
         (Arc::clone(mask), shift)
     }
@@ -210,7 +216,18 @@ impl<'a> OccupiedCanvas<'a> {
     ///
     /// # Errors
     /// Those of `go_on`.
-    pub(super) fn covered(&self, placed: &[PeriodCopy], go_on: impl Fn() -> Result<()>) -> Result<Vec<f64>> {
+    pub(super) fn covered(
+        mut self,
+        placed: &[PeriodCopy],
+        go_on: impl Fn() -> Result<()>,
+    ) -> Result<Vec<f64>> {
+        // What is seen through holes is not covered.
+        if self.relations.solid.iter().any(Option::is_some) {
+            self.solid = false;
+            self.turned.clear();
+            self.cells.fill(0);
+            self.write_all(placed, &go_on)?;
+        }
         let elements = &self.library.elements;
         let mut counts = vec![0u64; self.library.categories.len()];
         let canvas = Rect::new(0.0, 0.0, f64::from(self.canvas[0]), f64::from(self.canvas[1]));

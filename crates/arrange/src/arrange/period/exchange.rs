@@ -141,7 +141,8 @@ impl OccupiedCanvas<'_> {
             let kinds = if attempt < PARTNERS[0] { &relations.first_like } else { &relations.first_equal };
             let [kind_a, kind_b] = [a, b].map(|i| kinds[placed[i].element]);
             let zones = [a, b].map(|i| self.zone(&placed[i]));
-            if kind_a == kind_b || zones[0] != zones[1] || own.max(other) > RATIO * own.min(other) {
+            let fit = zones[0] == zones[1] && own.max(other) <= RATIO * own.min(other);
+            if kind_a == kind_b || !fit || self.crosses_bands(&placed[a], &placed[b]) {
                 continue;
             }
             let is_near = |site: usize, kind: usize| {
@@ -153,6 +154,13 @@ impl OccupiedCanvas<'_> {
                 return;
             }
         }
+    }
+
+    /// Whether the way between two elements leads across bands of one of them.
+    fn crosses_bands(&self, a: &PeriodCopy, b: &PeriodCopy) -> bool {
+        let way = shortest_offset(self.centre(a), self.centre(b), self.periods());
+        let far = [way.x, way.y].map(|d| d.abs() > FARTHEST * self.relations.spacing);
+        [a, b].iter().any(|p| (0..2).any(|k| far[k] && !self.relations.moves_along[p.element][k]))
     }
 
     /// Exchanges two elements if both fit; whether they did.
@@ -186,12 +194,13 @@ impl OccupiedCanvas<'_> {
         }
         self.write(&old, 0, i as u32 + 1);
         let centre = self.centre(&old);
+        // Elements as far apart as in the drawing neither crowd nor leave gaps.
+        let clearance = CLEARANCES[self.clearances(&old).saturating_sub(2)];
         for _ in 0..STEPS {
             let stride = STRIDES[random.index(STRIDES.len())];
-            let reach = stride * share * FARTHEST * self.relations.spacing;
-            let by = Vec2::new(random.range(-reach, reach), random.range(-reach, reach));
+            let by = self.step(&old, stride * share, random);
             let new = self.moved_to(&old, centre + by, random);
-            if self.zone(&new) == 0 && self.fits(&new, 1.0) {
+            if self.zone(&new) == 0 && self.fits(&new, clearance) {
                 placed[i] = new;
                 break;
             }
@@ -205,11 +214,9 @@ impl OccupiedCanvas<'_> {
         let old = placed[i];
         self.write(&old, 0, i as u32 + 1);
         let (centre, zone) = (self.centre(&old), self.zone(&old));
-        let reach = share * FARTHEST * self.relations.spacing;
-        // Number of clearances that the element has at its place.
-        let mut kept = CLEARANCES.iter().take_while(|c| self.fits(&old, **c)).count();
+        let mut kept = self.clearances(&old);
         for _ in 0..SHIFTS {
-            let by = Vec2::new(random.range(-reach, reach), random.range(-reach, reach));
+            let by = self.step(&old, share, random);
             let new = self.moved_to(&old, centre + by, random);
             if kept == CLEARANCES.len() || self.zone(&new) != zone {
                 continue;
@@ -221,6 +228,19 @@ impl OccupiedCanvas<'_> {
             }
         }
         self.write(&placed[i].clone(), i as u32 + 1, 0);
+    }
+
+    /// Number of clearances that an element has at its place.
+    fn clearances(&mut self, p: &PeriodCopy) -> usize {
+        CLEARANCES.iter().take_while(|c| self.fits(p, **c)).count()
+    }
+
+    /// A random shift, at most `length` of the farthest, along the axes on which the element may move.
+    fn step(&self, p: &PeriodCopy, length: f64, random: &mut Stream) -> Vec2 {
+        let reach = length * FARTHEST * self.relations.spacing;
+        let [x, y] = self.relations.moves_along[p.element]
+            .map(|moves| random.range(-reach, reach) * f64::from(u8::from(moves)));
+        Vec2::new(x, y)
     }
 
     /// A copy with its centre at a place, turned by a random angle at which equal elements occur. The place is

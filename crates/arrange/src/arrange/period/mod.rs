@@ -15,6 +15,7 @@
 mod alike;
 mod canvas;
 mod exchange;
+mod order;
 mod parts;
 mod relations;
 #[cfg(test)]

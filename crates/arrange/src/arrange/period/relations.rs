@@ -1,24 +1,20 @@
-//! Properties of a periodic drawing: equal elements, elements that are free to move, and whether the order of
-//! elements is regular.
+//! Properties of a periodic drawing: equal elements, and elements that are free to move.
 
+use super::order;
 use crate::arrange::motifs::MotifUnits;
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
-use vtex_base::geometry::Rect;
+use vtex_base::geometry::{Outline, Point, Rect, ring_path};
 use vtex_base::raster::Mask;
 use vtex_base::raster::contact::ContactPage;
-use vtex_scene::element::{SimilarTo, bounds};
+use vtex_scene::element::{Shape, SimilarTo, bounds};
 use vtex_scene::library::{ExemplarElement, Library};
 use vtex_scene::reconstruct::equal;
 use vtex_scene::scene::pixels;
 
-/// Least share of the elements of a regular drawing that have an element of similar size at one common offset.
-const REGULAR: f64 = 0.75;
 /// Drawings with fewer elements count as regular.
 const FEWEST: usize = 5;
-/// Largest difference of sizes and places in a regular order, as a share of the period.
-const TOLERANCE: f64 = 0.02;
 /// Largest distance of neighbours, in pixels.
 const REACH: u16 = 60;
 
@@ -34,8 +30,12 @@ pub(super) struct ElementRelations {
     pub(super) bounds: Vec<Rect>,
     /// Pixels of each element in the exemplar; empty for endless elements.
     pub(super) masks: Vec<Arc<Mask>>,
-    /// Whether each element touches no other and is not endless.
+    /// Pixels of each element and of its holes, if it has holes and no other element lies in them: none moves in.
+    pub(super) solid: Vec<Option<Arc<Mask>>>,
+    /// Whether each element touches no other, is not endless, and is in no line of elements.
     pub(super) free: Vec<bool>,
+    /// Whether each element may move along x and y: not across bands, in which there are more of its category.
+    pub(super) moves_along: Vec<[bool; 2]>,
     /// Angles by which equal elements are turned, in radians; by the first element.
     pub(super) angles: BTreeMap<usize, Vec<f64>>,
     /// Least distance between elements, in pixels: three quarters of the usual smallest gap.
@@ -78,16 +78,20 @@ impl ElementRelations {
         let free_bounds = bounds.iter().zip(&free).filter(|(_, free)| **free).map(|(b, _)| b);
         let shortest_side = free_bounds.map(|b| b.width().min(b.height())).fold(f64::INFINITY, f64::min);
         let too_few = free.iter().filter(|f| **f).count() < FEWEST;
-        let regular = too_few
-            || is_ruled(elements)
-            || is_regular(elements, &bounds, size)
-            || is_in_rows(elements, &bounds, size);
+        let regular = too_few || order::is_regular(elements, &bounds, size);
         let first_equal: Vec<usize> = equal.iter().map(|e| e.first).collect();
+        let first_like = first_like(elements, &first_equal);
+        let centres: Vec<Point> = bounds.iter().map(Rect::center).collect();
+        for line in order::lines(elements, &centres, size) {
+            line.into_iter().for_each(|k| free[k] = false);
+        }
         Self {
-            first_like: first_like(elements, &first_equal),
+            moves_along: order::without_bands(elements, &centres, size),
+            first_like,
             first_equal,
             equal,
             bounds,
+            solid: solid(elements, &masks, size),
             masks: masks.into_iter().map(Arc::new).collect(),
             clearance: clearance(&free, &gaps),
             free,
@@ -111,19 +115,36 @@ fn mask_of(element: &ExemplarElement) -> Mask {
     if element.clipped { Mask::default() } else { pixels::of_shapes(&element.shapes) }
 }
 
+/// The pixels of shapes and of their holes.
+pub(super) fn with_holes(shapes: &[Shape]) -> Mask {
+    let rings = shapes.iter().flat_map(|shape| shape.outline.polygons(0.25));
+    let filled = rings.filter_map(|ring| Outline::new(&ring_path(&ring)));
+    Mask::from_spans(filled.flat_map(|outline| pixels::mask(&outline).spans().to_vec()).collect())
+}
+
+/// The pixels of each element with holes in which no other lies, and of these, on a page that repeats.
+fn solid(elements: &[ExemplarElement], masks: &[Mask], [w, h]: [i32; 2]) -> Vec<Option<Arc<Mask>>> {
+    let on_page = |(x, y): (i32, i32)| (y.rem_euclid(h) * w + x.rem_euclid(w)) as usize;
+    let mut taken = vec![false; (w * h) as usize];
+    masks.iter().flat_map(Mask::pixels).for_each(|pixel| taken[on_page(pixel)] = true);
+    let numbered: Vec<usize> = (0..masks.len()).filter(|&k| !elements[k].clipped).collect();
+    let found = vtex_base::parallel::map(&numbered, |&k| {
+        let filled = with_holes(&elements[k].shapes);
+        let holes = filled.without(&masks[k]);
+        let is_solid = !holes.is_empty() && !holes.pixels().any(|pixel| taken[on_page(pixel)]);
+        is_solid.then(|| Arc::new(filled))
+    });
+    let mut solid = vec![None; masks.len()];
+    numbered.into_iter().zip(found).for_each(|(k, found)| solid[k] = found);
+    solid
+}
+
 /// Three quarters of the lower fifth percentile of the gaps around free elements, in pixels.
 fn clearance(free: &[bool], gaps: &[u16]) -> i32 {
     let mut gaps: Vec<u16> = (0..free.len()).filter(|&k| free[k]).map(|k| gaps[k].min(REACH)).collect();
     gaps.sort_unstable();
     let usual = gaps.get(gaps.len() / 5).copied().unwrap_or(1);
     i32::from(usual).clamp(2, 40) * 3 / 4
-}
-
-/// Whether endless elements, which leave no room to move between them, make up more than a quarter of the area.
-fn is_ruled(elements: &[ExemplarElement]) -> bool {
-    let area = |e: &ExemplarElement| f64::from(e.area);
-    let endless: f64 = elements.iter().filter(|e| e.clipped).map(area).sum();
-    4.0 * endless > elements.iter().map(area).sum::<f64>()
 }
 
 /// Largest difference between the logarithms of the areas of like elements.
@@ -178,91 +199,4 @@ fn angles(equal: &[SimilarTo]) -> BTreeMap<usize, Vec<f64>> {
         angles.dedup_by(|a, b| (*a - *b).abs() < SAME_ANGLE);
     }
     all
-}
-
-/// Whether most elements have an element of similar size at one common offset.
-fn is_regular(elements: &[ExemplarElement], bounds: &[Rect], size: [i32; 2]) -> bool {
-    let size = size.map(f64::from);
-    let side = libm::sqrt(size[0] * size[1]);
-    let same_size = |a: usize, b: usize| have_same_size(&bounds[a], &bounds[b], side) == [true; 2];
-    let offset_of = |a: usize, b: usize| offset(&bounds[a], &bounds[b], size);
-    let n = elements.len().min(400);
-    // An offset that is common to most elements is also one between elements of the commonest size.
-    let count = |a: usize| (0..n).filter(|&b| same_size(a, b)).count();
-    let Some(first) = (0..n).max_by_key(|&a| (count(a), n - a)) else { return true };
-    let offsets = (0..n).filter(|&b| b != first && same_size(first, b)).map(|b| offset_of(first, b)).take(60);
-    let share_with_partner = |common: [f64; 2]| {
-        let has_partner = |a: usize| {
-            (0..n).any(|b| {
-                let d = offset_of(a, b);
-                let difference = [wrapped(d[0] - common[0], size[0]), wrapped(d[1] - common[1], size[1])];
-                same_size(a, b) && difference.iter().all(|v| v.abs() <= TOLERANCE * side)
-            })
-        };
-        (0..n).filter(|&a| has_partner(a)).count() as f64 / n as f64
-    };
-    let is_far = |o: &[f64; 2]| o[0].abs().max(o[1].abs()) > 0.05 * side;
-    offsets.filter(is_far).any(|offset| share_with_partner(offset) >= REGULAR)
-}
-
-/// Elements of equal size across a row whose centres differ there by at most this share of the period lie in one row.
-const IN_ROW: f64 = 0.005;
-/// Least number of pairs of elements in rows, in numbers that chance makes, and how many of its deviations it is beyond.
-const BEYOND_CHANCE: [f64; 2] = [2.0, 3.0];
-/// Least share of elements that lie in a row with another.
-const ROWED: f64 = 0.35;
-/// Largest number of elements that are compared.
-const COMPARED: usize = 1000;
-
-/// Whether elements of equal height lie in rows, or those of equal width in columns, much more often than by chance,
-/// whatever their places within these.
-fn is_in_rows(elements: &[ExemplarElement], bounds: &[Rect], size: [i32; 2]) -> bool {
-    let size = size.map(f64::from);
-    let side = libm::sqrt(size[0] * size[1]);
-    let whole = elements.iter().zip(bounds).filter(|(e, _)| !e.clipped).map(|(_, bounds)| bounds);
-    let bounds: Vec<&Rect> = whole.take(COMPARED).collect();
-    let mut pairs = [0.0; 2];
-    let mut seen = [0.0; 2];
-    let mut in_row = vec![[false; 2]; bounds.len()];
-    for (a, one) in bounds.iter().enumerate() {
-        for (b, other) in bounds[..a].iter().enumerate() {
-            let near = offset(one, other, size).map(|d| d.abs() <= IN_ROW * side);
-            // Those at one place are parts of one thing.
-            if near == [true; 2] {
-                continue;
-            }
-            let same = have_same_size(one, other, side);
-            for k in (0..2).filter(|k| same[*k]) {
-                pairs[k] += 1.0;
-                if near[k] {
-                    seen[k] += 1.0;
-                    (in_row[a][k], in_row[b][k]) = (true, true);
-                }
-            }
-        }
-    }
-    (0..2).any(|k| {
-        let by_chance = pairs[k] * 2.0 * IN_ROW * side / size[k];
-        let [times, deviations] = BEYOND_CHANCE;
-        let rowed = in_row.iter().filter(|row| row[k]).count();
-        seen[k] > 0.0
-            && seen[k] >= times * by_chance
-            && seen[k] >= by_chance + deviations * libm::sqrt(by_chance)
-            && rowed as f64 >= ROWED * bounds.len() as f64
-    })
-}
-
-/// Whether two bounds have the same width, and the same height.
-fn have_same_size(a: &Rect, b: &Rect, side: f64) -> [bool; 2] {
-    [a.width() - b.width(), a.height() - b.height()].map(|d| d.abs() <= TOLERANCE * side)
-}
-
-/// The way from the centre of bounds to that of others, on a page that repeats.
-fn offset(a: &Rect, b: &Rect, size: [f64; 2]) -> [f64; 2] {
-    let d = b.center() - a.center();
-    [wrapped(d.x, size[0]), wrapped(d.y, size[1])]
-}
-
-fn wrapped(v: f64, size: f64) -> f64 {
-    v - size * libm::round(v / size)
 }
