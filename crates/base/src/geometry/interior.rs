@@ -19,33 +19,39 @@ const ROWS_OF_AN_EDGE: f64 = 16.0;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Interior {
     bounds: Rect,
-    /// The edges that touch each row, from top to bottom.
-    rows: Vec<Vec<[Point; 2]>>,
+    edges: Vec<[Point; 2]>,
+    /// The numbers of the edges that touch each row, from top to bottom.
+    rows: Vec<Vec<u32>>,
 }
 
 impl Interior {
     /// The interior of an outline by the non-zero rule.
     pub fn new(outline: &Outline) -> Self {
-        let edges = edges(outline.path().iter(), TOLERANCE);
+        let mut edges = edges(outline.path().iter(), TOLERANCE);
         let bounds = outline.bounds();
         // Tall edges touch many rows, so the number of rows is limited: on average an edge is stored a few
         // times.
         let tall: f64 = edges.iter().map(|[a, b]| (a.y - b.y).abs()).sum();
         let most = edges.len() as f64 * ROWS_OF_AN_EDGE * bounds.height() / tall.max(1e-9);
         let rows = (edges.len() / EDGES_IN_A_ROW).min(most as usize) + 1;
-        let mut region = Self { bounds, rows: vec![Vec::new(); rows] };
-        for edge in edges.into_iter().filter(|[a, b]| a.y != b.y) {
-            let (top, bottom) = (edge[0].y.min(edge[1].y), edge[0].y.max(edge[1].y));
-            for row in region.row(top)..=region.row(bottom) {
-                region.rows[row].push(edge);
+        edges.retain(|[a, b]| a.y != b.y);
+        let mut region = Self { bounds, edges: Vec::new(), rows: vec![Vec::new(); rows] };
+        for (number, [a, b]) in (0..).zip(&edges) {
+            for row in region.row(a.y.min(b.y))..=region.row(a.y.max(b.y)) {
+                region.rows[row].push(number);
             }
         }
-        region
+        Self { edges, ..region }
     }
 
     fn row(&self, y: f64) -> usize {
         let share = (y - self.bounds.y0) / self.bounds.height().max(1e-9);
         ((share * self.rows.len() as f64).max(0.0) as usize).min(self.rows.len() - 1)
+    }
+
+    /// The edges that may touch the horizontal line at `y`.
+    fn edges_at(&self, y: f64) -> impl Iterator<Item = &[Point; 2]> {
+        self.rows[self.row(y)].iter().map(|&number| &self.edges[number as usize])
     }
 
     /// Intervals of the horizontal line at `y` that lie in the interior, from left to right.
@@ -57,8 +63,7 @@ impl Interior {
         let crossing = |[a, b]: &[Point; 2]| {
             (a.x + (y - a.y) / (b.y - a.y) * (b.x - a.x), if b.y > a.y { 1 } else { -1 })
         };
-        let mut crossings: Vec<(f64, i32)> =
-            self.rows[self.row(y)].iter().filter(crosses).map(crossing).collect();
+        let mut crossings: Vec<(f64, i32)> = self.edges_at(y).filter(crosses).map(crossing).collect();
         crossings.sort_by(|a, b| a.0.total_cmp(&b.0));
         let (mut winding, mut start, mut found) = (0, 0.0, Vec::new());
         for (x, direction) in crossings {
@@ -86,7 +91,7 @@ impl Interior {
             return false;
         }
         let mut winding = 0;
-        for [a, b] in &self.rows[self.row(point.y)] {
+        for [a, b] in self.edges_at(point.y) {
             let down = a.y <= point.y;
             if down == (b.y <= point.y) {
                 continue;

@@ -49,7 +49,8 @@ fn border(picture: &RgbImage, across_x: bool, background: [u8; 3]) -> [f64; 2] {
         picture.get_pixel(if across_x { v } else { t }, if across_x { t } else { v }).0
     };
     let apart = |a: [u8; 3], b: [u8; 3]| (0..3).map(|k| f64::from(a[k].abs_diff(b[k]))).sum::<f64>() / 3.0;
-    let depth = ((THIN * f64::from(length)) as u32).clamp(1, last);
+    // On a page of one pixel, both borders are one.
+    let depth = ((THIN * f64::from(length)) as u32).max(1).min(last);
     let is_marked = |v: u32, t: usize| apart(pixel(v, t as i64), background) >= MARKED;
     let mut is_along = vec![false; length as usize];
     for [edge, inside] in [[0, depth], [last, last - depth]] {
@@ -77,6 +78,13 @@ fn border(picture: &RgbImage, across_x: bool, background: [u8; 3]) -> [f64; 2] {
 mod tests {
     use super::*;
     use image::Rgb;
+
+    #[test]
+    fn pages_of_one_pixel_are_looked_at_too() {
+        for size in [[1, 1], [90, 1], [1, 90]] {
+            assert!(is_periodic(&RgbImage::from_pixel(size[0], size[1], Rgb([7; 3]))), "{size:?}");
+        }
+    }
 
     #[test]
     fn borders_that_go_on_join() {
