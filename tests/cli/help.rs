@@ -144,4 +144,9 @@ fn manual_pages_are_written() {
     }
     let page = String::from_utf8(folder.read("pages/man1/vtex-analyze.1")).unwrap();
     assert!(page.contains("secondary\\-tolerance"), "{page}");
+    let page = String::from_utf8(folder.read("pages/man1/vtex.1")).unwrap();
+    assert!(
+        !page.contains("vtex\\-help") && !folder.path("pages/man1/vtex-help-texture.1").exists(),
+        "{page}"
+    );
 }

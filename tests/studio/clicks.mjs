@@ -46,7 +46,7 @@ async function photograph() {
   await studio.tab("steer");
   await page.fill("#knob-size", "600");
   await studio.made(async () => { await page.fill("[aria-label='Height of the canvas']", "600"); await page.keyboard.press("Tab"); });
-  told("a knob turned to a draft at 600 x 600, and to the whole", ...await studio.drafted(() => page.click("text=Dice")));
+  told("a knob turned to a draft at 600 x 600, and to the whole", ...await studio.drafted(() => page.click("text=New seed")));
   await studio.made(() => page.selectOption("#knob-tile", "both"));
   await studio.made(async () => { await page.fill("#knob-rotate", "25"); await page.keyboard.press("Tab"); });
   await studio.made(() => page.check("#knob-mirror"));
@@ -98,10 +98,10 @@ async function photograph() {
     for (const place of others) await page.mouse.move(...place, { steps: 4 });
     await page.mouse.up();
   };
-  await page.click("#mend >> text=Brush away");
+  await page.click("#mend >> text=Erase");
   await studio.made(() => drag([14, 14], [66, 14], [66, 24], [14, 24], [14, 34], [66, 34], [66, 44], [14, 44], [14, 54], [66, 54]));
   const erased = (await studio.state()).work.elements.count;
-  await page.click("#mend >> text=Draw one");
+  await page.click("#mend >> text=Draw element");
   await studio.made(() => drag([20, 20], [60, 20], [60, 50], [20, 50], [20, 20]));
   assert.equal((await studio.state()).work.elements.count, erased + 1);
   await page.click("#mend >> text=Cut");

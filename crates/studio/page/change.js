@@ -168,10 +168,10 @@ export class Change {
       const button = (sign, label, key, action, disabled = false) => make("button", { type: "button", className: "plain", textContent: sign, "aria-label": `${label}: ${text}`, title: label, disabled, "data-key": `${key}-${index}`, onclick: action });
       const swap = () => { const next = [...operations]; [next[index - 1], next[index]] = [next[index], next[index - 1]]; put(next); };
       return make("li", {}, make("code", { textContent: text }),
-        button("↑", "Do it earlier", "up", swap, index === 0),
+        button("↑", "Move up", "up", swap, index === 0),
         button("×", "Remove", "remove", () => put(operations.filter((_, other) => other !== index))));
     });
-    fill(this.done, rows.length ? make("h2", { textContent: "Operations, in their order" }) : null,
+    fill(this.done, rows.length ? make("h2", { textContent: "Operations, run from top to bottom" }) : null,
       rows.length ? make("ol", { className: "list" }, ...rows) : null);
   }
 

@@ -42,7 +42,7 @@ export function control(knob, value, onset, { id, live = true } = {}) {
   }
   if (knob.kind === "choice") {
     const select = make("select", attributes);
-    if (!knob.choices.includes(knob.default)) select.append(make("option", { value: "", textContent: knob.needed ? "choose…" : "as usual" }));
+    if (!knob.choices.includes(knob.default)) select.append(make("option", { value: "", textContent: knob.needed ? "choose…" : "default" }));
     for (const choice of knob.choices) select.append(make("option", { value: choice, textContent: choice }));
     select.value = value ?? (knob.choices.includes(knob.default) ? knob.default : "");
     select.addEventListener("change", () => onset(select.value === "" || select.value === knob.default ? null : select.value));
@@ -111,7 +111,6 @@ export class Steer {
     this.panel = panel;
     this.table = table;
     this.pictures = new Map();
-    this.dpi = table.groups.flatMap(group => group.knobs).find(knob => knob.name === "dpi");
     this.rows = new Map();
     this.seed = make("div");
     this.groups = make("div");
@@ -131,7 +130,7 @@ export class Steer {
   showSeed(work) {
     const field = make("input", { type: "text", inputMode: "numeric", value: work.seed, id: "seed", spellcheck: false, autocomplete: "off", "data-key": "seed" });
     field.addEventListener("change", () => tell("seed", { seed: field.value.trim() }));
-    const dice = make("button", { type: "button", textContent: "⚄ Dice", title: "Any other seed (D)", "data-key": "dice", onclick: () => tell("seed", { seed: null }) });
+    const dice = make("button", { type: "button", textContent: "⚄ New seed", title: "Any other seed (D)", "data-key": "dice", onclick: () => tell("seed", { seed: null }) });
     const shown = work.variants.show;
     const toggle = make("button", { type: "button", "aria-pressed": String(shown), textContent: "Variants", title: "Six other seeds", "data-key": "variants", onclick: () => tell("variants", { show: !shown, more: false }) });
     const parts = [make("div", { className: "row seed" }, make("label", { for: "seed", textContent: "Seed" }), field, dice, toggle)];
@@ -184,11 +183,8 @@ export class Steer {
     this.rows.clear();
     const opened = new Set([...this.groups.querySelectorAll("details[open] > summary")].map(summary => summary.textContent));
     const groups = this.table.groups.filter(group => this.applies(group, work)).map(group => {
-      // The resolution stands beside the size, which it belongs to.
-      const isCanvas = group.title === "Canvas";
-      const knobs = isCanvas && this.dpi ? [group.knobs[0], this.dpi, ...group.knobs.slice(1)] : group.knobs;
-      const rows = knobs.filter(knob => isCanvas || knob !== this.dpi || work.kind === "scene").map(knob => this.row(knob, work));
-      if (isCanvas) rows.push(...this.files(work));
+      const rows = group.knobs.map(knob => this.row(knob, work));
+      if (group.title === "Canvas") rows.push(...this.files(work));
       if (CLOSED.has(group.title)) return make("details", { open: opened.has(group.title) }, make("summary", { textContent: group.title }), ...rows);
       return make("div", { className: "group" }, make("h2", { textContent: group.title }), ...rows);
     });

@@ -12,8 +12,8 @@ const FORMATS = [
   ["svg", "SVG", "Vectors, in groups by layer and category"],
   ["pdf", "PDF", "One page of vectors"],
   ["png", "PNG", "Pixels, at a scale"],
-  ["scene", "Scene", "To go on with: all elements and their places"],
-  ["library", "Library", "The elements found, to place them anew"],
+  ["scene", "Scene", "One finished texture as data"],
+  ["library", "Library", "All elements found, for new textures"],
 ];
 
 let state = { open: [] };
@@ -90,10 +90,11 @@ function showProgress() {
   find("cancel").hidden = !state.busy;
   find("resume").hidden = !state.rests;
   find("progress").hidden = !state.busy;
-  find("save-now").disabled = !ready();
+  find("save-now").disabled = !state.work || Boolean(state.fault);
+  if (savesWhenReady && ready()) save();
   const stage = find("stage");
   const isDrawn = document.body.dataset.drawn === textureKey();
-  if (!state.busy) stage.textContent = state.rests ? "Stopped" : state.fault ? "It could not be made" : !ready() ? "" : isDrawn ? "Ready" : "Drawing…";
+  if (!state.busy) stage.textContent = state.rests ? "Stopped" : state.fault ? "Failed" : !ready() ? "" : isDrawn ? "Ready" : "Drawing…";
   else if (!stage.dataset.busy) stage.textContent = "Working…";
   stage.dataset.busy = state.busy ? "1" : "";
   document.body.dataset.ready = String(ready());
@@ -111,7 +112,7 @@ function showMessages(work) {
   warned = state.warnings;
   if (work.restored && !showMessages.told?.has(work.id)) {
     (showMessages.told ??= new Set()).add(work.id);
-    notice(`The work of last time goes on: ${work.keptIn}`, { hint: "Save has a button to begin anew.", key: "restored" });
+    notice(`Settings loaded from ${work.keptIn}`, { hint: "To remove them, choose Start over in the tab Save.", key: "restored" });
   }
 }
 
@@ -180,7 +181,10 @@ let drawing = null;
 function loadTexture() {
   const texture = state.work?.texture;
   if (!texture) { view.texture = null; view.draw(); return; }
-  const wanted = view.zoom * (devicePixelRatio || 1);
+  // Where it is not looked at, whole pixels are enough.
+  const isSeen = view.mode === "texture" || view.mode === "split";
+  const zoom = view.zoom * (devicePixelRatio || 1);
+  const wanted = isSeen ? zoom : Math.min(zoom, 1);
   const fine = [0.5, 1, 2, 4].find(step => step >= wanted * 0.8) ?? 4;
   const scale = texture.draft ? Math.min(1, fine) : fine;
   const base = textureKey();
@@ -213,10 +217,10 @@ function showSave(work) {
     size.addEventListener("change", () => { scale = size.value || "1"; showCommand(); });
     fill(panel, make("h2", { textContent: "Save" }),
       make("div", { className: "formats", role: "radiogroup", "aria-label": "Format" }, ...formats),
-      make("div", { className: "knob", id: "scale-row" }, make("div", { className: "head" }, make("label", { for: "scale", textContent: "Pixels for each pixel of the canvas" })), make("div", { className: "control" }, size)),
+      make("div", { className: "knob", id: "scale-row" }, make("div", { className: "head" }, make("label", { for: "scale", textContent: "Scale (2: twice as wide and high)" })), make("div", { className: "control" }, size)),
       make("button", { type: "button", className: "primary save-button", id: "save-file", onclick: save }),
       make("p", { id: "weight", role: "status", "aria-live": "polite" }),
-      make("h2", { textContent: "Kept" }), make("p", { id: "kept" }),
+      make("h2", { textContent: "Saved settings" }), make("p", { id: "kept" }),
       make("div", { className: "row" }, make("button", { type: "button", textContent: "Start over", title: "Remove all settings and changes; undo brings them back", onclick: () => tell("anew") })));
   }
   find("save-now").textContent = `Save ${FORMATS.find(([value]) => value === format)[1]}`;
@@ -224,8 +228,8 @@ function showSave(work) {
   const possible = value => value === "library" ? Boolean(work.analysis) && work.kind !== "library" : true;
   for (const input of document.getElementsByName("format")) input.disabled = !possible(input.value);
   if (!possible(format)) { format = "svg"; document.querySelector("[name=format][value=svg]").checked = true; }
-  find("save-file").disabled = !ready();
-  find("kept").textContent = work.notKept ?? `All that is set is kept in ${work.keptIn}${work.mended ? ` and ${work.mended}` : ""}. Open ${work.name} again, and it goes on.`;
+  find("save-file").disabled = Boolean(state.fault);
+  find("kept").textContent = work.notKept ?? `Settings are stored in ${work.keptIn}${work.mended ? ` and ${work.mended}` : ""}. To continue later, open ${work.name} again.`;
 }
 
 /** Bytes above which programs that edit vectors become slow, and what helps. */
@@ -273,7 +277,12 @@ const showCommand = settled(async () => {
   } catch { /* The next state brings another. */ }
 }, 60);
 
+/** Whether Save was pressed while the texture was made, as happens after a number was typed. */
+let savesWhenReady = false;
+
 async function save() {
+  savesWhenReady = !ready();
+  if (savesWhenReady) return;
   try {
     const response = await ask("save", { format, scale: format === "png" ? scale : "" });
     const address = URL.createObjectURL(await response.blob());
@@ -364,7 +373,7 @@ addEventListener("keydown", event => {
   const key = event.key.toLowerCase();
   if (command && key === "z" && !typing) tell(event.shiftKey ? "redo" : "undo");
   else if (command && key === "y" && !typing) tell("redo");
-  else if (command && key === "s") { if (ready()) save(); }
+  else if (command && key === "s") { if (state.work) save(); }
   else if (command && key === "o") find("file").click();
   else if (!command && !typing && !event.altKey && key === "d" && state.work && state.work.kind !== "scene") tell("seed", { seed: null });
   else if (!command && !typing && key === "escape" && view.selected.size) mend.pick(-1, false);
@@ -383,6 +392,6 @@ listen({
   },
   connected: here => {
     if (here) forget("connection");
-    else notice("The program does not answer.", { hint: "If it has ended, start 'vtex studio' again: the work is kept.", fault: true, key: "connection" });
+    else notice("vtex does not respond.", { hint: "If it has ended, start 'vtex studio' again: your work is saved.", fault: true, key: "connection" });
   },
 });

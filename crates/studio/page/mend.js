@@ -6,8 +6,8 @@ import { fill, make } from "./dom.js";
 
 const TOOLS = [
   ["select", "Select", "Click an element; hold Shift to select several, or tap one after the other. Keys: N and P go to the next and the previous one, Enter selects it."],
-  ["erase", "Brush away", "What the brush touches becomes background."],
-  ["lasso", "Draw one", "Go round what is an element."],
+  ["erase", "Erase", "What the brush touches becomes background."],
+  ["lasso", "Draw element", "Draw the outline of an element."],
   ["cut", "Cut", "Select an element and draw a line right across it."],
 ];
 

@@ -74,7 +74,7 @@ export class Paint {
   /** The controls of a pen, while it is in use. */
   controls(pen) {
     if (this.view.pen !== pen) return null;
-    if (pen === "shape") return explanation("pen-words", "Go round what is to be filled. Keys: arrows move the pen, the space bar begins and ends.");
+    if (pen === "shape") return explanation("pen-words", "Draw the outline of the shape. Keys: arrows move the pen, the space bar begins and ends.");
     const slider = (id, label, least, most, step, value, onset) => {
       const input = make("input", { type: "range", id, min: least, max: most, step, value, "data-key": id });
       input.addEventListener("input", () => { onset(Number(input.value)); this.view.draw(); });

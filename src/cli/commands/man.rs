@@ -26,12 +26,12 @@ impl Arguments for ManArgs {
     }
 }
 
-fn run(folder: &Path, mut command: clap::Command) -> anyhow::Result<()> {
+fn run(folder: &Path, command: clap::Command) -> anyhow::Result<()> {
     std::fs::create_dir_all(folder).map_err(|e| Error::write(folder, e))?;
+    // `vtex help` prints the help of the others and has no page.
+    let mut command = command.disable_help_subcommand(true);
     command.build();
     let commands = command.get_subcommands().flat_map(|c| std::iter::once(c).chain(c.get_subcommands()));
-    // `vtex help` prints the help of the others.
-    let commands = commands.filter(|command| command.get_name() != "help");
     for command in std::iter::once(&command).chain(commands) {
         let name = command.get_display_name().unwrap_or_else(|| command.get_name());
         let path = folder.join(format!("{name}.1"));

@@ -257,7 +257,7 @@ pub(super) fn begun(opened: Opened, seed: Option<Seed>) -> WorkSession {
             let mut one = WorkSession::new(opened, fresh(), false);
             let reason = Fault::of(&error).error;
             let kept = moved_aside(&path).unwrap_or_else(|| path.clone());
-            one.not_kept = Some(format!("the work in '{}' could not be taken up: {reason}", kept.display()));
+            one.not_kept = Some(format!("cannot load the settings in '{}': {reason}", kept.display()));
             one
         }
     }

@@ -80,7 +80,7 @@ pub(super) fn elements_of(
             let elements = (**elements).clone();
             Ok((ground, elements, size))
         }
-        _ => Err(Failure::failed("there are no elements to mend")),
+        _ => Err(Failure::failed("there are no elements to correct")),
     }
 }
 

@@ -86,7 +86,7 @@ fn run(common: &Common, arguments: StudioArgs, seed: Option<Seed>) -> anyhow::Re
     let port = port.unwrap_or(PORT.default());
     let server = StudioServer::bind(port, Bounds::default()).map_err(|e| {
         let failure = Failure::failed(format!("cannot listen on port {port}: {e}"));
-        failure.hint("give another --port, or none, for any that is free")
+        failure.hint("use another --port, or omit it")
     })?;
     let session = Arc::new(Session::new(sessions, common.threads, seed, folder));
     // Without it nobody could reach the page, so it is said with --quiet too.
