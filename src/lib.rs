@@ -53,7 +53,7 @@ pub mod program;
 /// The library's error type: what went wrong, where, and what to try.
 pub mod error {
     #[doc(inline)]
-    pub use vtex_base::error::{EditFault, Error, Large, Result};
+    pub use vtex_base::error::{EditFault, Error, FillFault, Large, Result};
 }
 
 /// Unpacking of gzip, with a bound on what comes out.
@@ -180,12 +180,14 @@ pub mod metrics {
 pub mod output {
     #[doc(inline)]
     pub use vtex_output::{CSS_DPI, DPI, SceneCategory, categories, coverage, inside};
-    /// Files by kind, and safe writing: a file is replaced as a whole or not at all.
+    /// The table of formats, scenes as files of any of them, and safe writing: a file is replaced as a whole or not at all.
     pub mod file {
         #[doc(inline)]
-        pub use vtex_output::file::{
-            FileKind, Format, gzip, remove_abandoned, remove_unfinished, write_file,
-        };
+        pub use vtex_output::file::{gzip, remove_abandoned, remove_unfinished, write_file};
+        #[doc(inline)]
+        pub use vtex_output::formats::{Ending, FileKind, Format, Uses, WriteOptions, Writer, endings};
+        #[doc(inline)]
+        pub use vtex_output::writing::{BackgroundChoice, PreparedFile, packed_ending, users_of};
     }
     /// Layer maps → PNG, SVG and JSON; values → PNG of 16 bits.
     pub mod layer_map {
@@ -227,7 +229,7 @@ pub mod output {
     pub mod svg {
         #[doc(inline)]
         pub use vtex_output::svg::{
-            Animation, SvgOptions, SvgSummary, write, write_animation, write_flow, write_pattern,
+            Animation, SvgOptions, SvgSummary, check_fill, write, write_animation, write_flow, write_pattern,
             write_with_recipe,
         };
     }
@@ -290,7 +292,7 @@ pub mod scene {
     pub use vtex_scene::scene::{
         Ablation, About, Action, Axis, Between, CategoryId, ColourOrMap, Comparison, Condition, ControlPoint,
         Direction, Distribution, Domain, Edge, EditRecord, Element, ElementId, Field, Gradient, Identity,
-        Instance, InstanceId, Jitter, LatticeChoice, Layer, Length, LengthUnit, LibraryId, LibraryRef,
+        Ink, Instance, InstanceId, Jitter, LatticeChoice, Layer, Length, LengthUnit, LibraryId, LibraryRef,
         Method, NumberOrMap, Operation, OrderBy, Place, Quantity, Recorded, Role, Scene, Shadow, Shape,
         Stroke, SynthParams, ThinOrder, Tile, Transfer, TransferMode, Weights, Within, page_at, splat,
     };

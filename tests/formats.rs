@@ -11,7 +11,7 @@ use vtex::raster::colour::Colour;
 use vtex::scene::{Domain, Edge, Element, Instance, Role, Scene, Shadow, Shape, Stroke, SynthParams, Tile};
 use vtex::synth::synthesize;
 
-const EXPANDED: SvgOptions = SvgOptions { precision: 2, expand: true, css: false, names: true };
+const EXPANDED: SvgOptions = SvgOptions { precision: 2, expand: true, css: false, names: true, fills: false };
 const INKSCAPE: &str = "http://www.inkscape.org/namespaces/inkscape";
 const XLINK: &str = "http://www.w3.org/1999/xlink";
 

@@ -1,16 +1,15 @@
 //! Libraries.
 
 use crate::document::{self, Category};
-use crate::errors;
 use crate::pictures::Named;
 use crate::run::run;
-use crate::writing::{json, save_document};
+use crate::writing::{json, kind_of, save_document};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use std::path::PathBuf;
 use std::sync::Arc;
 use vtex::library::{self, SourceKind};
-use vtex::output::file::{FileKind, Format};
+use vtex::output::file::Format;
 
 /// The result of the analysis of an exemplar.
 #[pyclass(frozen, module = "vtex._vtex")]
@@ -41,11 +40,8 @@ impl Library {
 
     /// Writes a file; the number of bytes.
     fn save(&self, py: Python<'_>, path: PathBuf, force: bool) -> PyResult<u64> {
-        let Some(FileKind { format: Format::Library, gzip }) = FileKind::from_path(&path) else {
-            let message = format!("the name of '{}' is not that of a library", path.display());
-            return Err(errors::input(py, &message, Some("names end in .lib.json or .lib.json.gz")));
-        };
-        run(py, None, |_| save_document(&path, force, gzip, &self.inner.to_json()))
+        let kind = kind_of(py, &path, |format| format == Format::Library, "is not that of a library")?;
+        run(py, None, |_| save_document(&path, kind, force, &self.inner.to_json()))
     }
 
     #[getter]

@@ -2,10 +2,9 @@
 
 use crate::document::{self, Category};
 use crate::editing::TextOperation;
-use crate::errors;
 use crate::pictures::Named;
 use crate::run::{run, warn};
-use crate::writing::{WritingOptions, from_json, json};
+use crate::writing::{WritingOptions, from_json, json, kind_of};
 use numpy::{PyArray1, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
@@ -49,7 +48,7 @@ impl Scene {
     fn encode(&self, py: Python<'_>, ending: &str, options: &str) -> PyResult<Py<PyBytes>> {
         let options: WritingOptions = from_json(py, options, "scene")?;
         let kind = kind(py, Path::new(&format!("scene{ending}")))?;
-        let (bytes, warnings) = run(py, None, |_| options.bytes(&self.inner, kind))?;
+        let (bytes, warnings) = run(py, None, |progress| options.bytes(&self.inner, kind, progress))?;
         warnings.iter().try_for_each(|warning| warn(py, warning))?;
         Ok(PyBytes::new(py, &bytes).unbind())
     }
@@ -58,7 +57,8 @@ impl Scene {
     fn save(&self, py: Python<'_>, path: PathBuf, options: &str, force: bool) -> PyResult<u64> {
         let options: WritingOptions = from_json(py, options, "scene")?;
         let kind = kind(py, &path)?;
-        let (bytes, warnings) = run(py, None, |_| options.save(&self.inner, &path, kind, force))?;
+        let (bytes, warnings) =
+            run(py, None, |progress| options.save(&self.inner, (&path, kind), force, progress))?;
         warnings.iter().try_for_each(|warning| warn(py, warning))?;
         Ok(bytes)
     }
@@ -183,10 +183,5 @@ impl Scene {
 
 /// The kind of file for a name.
 fn kind(py: Python<'_>, path: &Path) -> PyResult<FileKind> {
-    let kind = FileKind::from_path(path).filter(|kind| kind.format != Format::Library);
-    kind.ok_or_else(|| {
-        let message = format!("the name of '{}' says no format that a scene is written in", path.display());
-        let hint = "names end in .svg, .svgz, .pdf, .png, .scene.json or .scene.json.gz";
-        errors::input(py, &message, Some(hint))
-    })
+    kind_of(py, path, Format::is_of_scene, "says no format that a scene is written in")
 }

@@ -6,13 +6,15 @@ use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::io::{self, Write};
 use std::path::Path;
-use vtex::output::file::{FileKind, Format, gzip, write_file};
+use vtex::output::file::{
+    BackgroundChoice, FileKind, Format, PreparedFile, WriteOptions, endings, gzip, users_of, write_file,
+};
 use vtex::output::seal::Sealed;
-use vtex::output::svg::{self, SvgOptions};
-use vtex::output::{pdf, png, reduce};
+use vtex::output::svg::SvgOptions;
+use vtex::raster::colour::Colour;
 use vtex::raster::css;
 use vtex::scene::Scene;
-use vtex::{Error, Result};
+use vtex::{Error, Progress, Result};
 
 /// How a scene is written.
 #[derive(Clone, Debug, Deserialize)]
@@ -21,9 +23,13 @@ pub(crate) struct WritingOptions {
     precision: u8,
     expand: bool,
     css: bool,
+    /// Whether an SVG is a tile for the fills of other programs.
+    pattern: bool,
     max_bytes: Option<u64>,
     /// Pixels of a PNG for each pixel of the canvas, or of a page in pixels.
     pub(crate) scale: f64,
+    /// The colour of all elements; the exemplar's if it is not given.
+    ink: Option<String>,
     /// A colour, or `none`; the exemplar's if it is not given.
     background: Option<String>,
 }
@@ -32,137 +38,116 @@ fn in_memory(error: io::Error) -> Error {
     Error::write(Path::new("memory"), error)
 }
 
+/// The colour that a parameter names.
+fn colour(name: &'static str, text: &str, allowed: &'static str) -> Result<Colour> {
+    css::colour(text).ok_or_else(|| not_a_colour(name, text, allowed))
+}
+
+fn not_a_colour(name: &'static str, text: &str, allowed: &'static str) -> Error {
+    let value = format!("'{}'", text.chars().take(24).collect::<String>());
+    Error::Parameter { name, value, allowed: allowed.into() }
+}
+
 impl WritingOptions {
-    /// The scene with the background asked for.
+    /// The scene with the ink and the background asked for.
     ///
-    /// # Errors [`Error::Parameter`] for text that is not a colour.
+    /// # Errors [`Error::Parameter`] for text that is not a colour; those of [`Scene::with_ink`].
     pub(crate) fn scene<'s>(&self, scene: &'s Scene) -> Result<Cow<'s, Scene>> {
-        let Some(background) = &self.background else { return Ok(Cow::Borrowed(scene)) };
-        let colour = match background.as_str() {
-            "none" => None,
-            text => Some(css::colour(text).ok_or_else(|| Error::Parameter {
-                name: "background",
-                value: format!("'{}'", text.chars().take(24).collect::<String>()),
-                allowed: "#rrggbb, #rgb, a name of CSS, or none".into(),
-            })?),
-        };
-        Ok(Cow::Owned(scene.clone().with_background(colour)))
+        let ink = self.ink.as_deref().map(|text| colour("ink", text, "#rrggbb, #rgb or a name of CSS"));
+        let paper = self.background.as_deref().map(|text| {
+            let background = text.parse().map(BackgroundChoice::colour);
+            background.map_err(|_| not_a_colour("background", text, "#rrggbb, #rgb, a name of CSS, or none"))
+        });
+        Ok(match (ink.transpose()?, paper.transpose()?) {
+            (None, None) => Cow::Borrowed(scene),
+            (None, Some(paper)) => Cow::Owned(scene.clone().with_background(paper)),
+            (Some(ink), paper) => Cow::Owned(scene.clone().with_ink(ink, paper)?),
+        })
     }
 
-    /// Writes a scene in a format; warnings of the writer.
-    ///
-    /// # Errors
-    /// Those of the writers and of [`reduce::to_fit`].
-    fn write(&self, scene: &Scene, kind: FileKind, out: &mut dyn Write) -> io::Result<Vec<String>> {
-        let FileKind { format, gzip } = kind;
-        match format {
-            Format::Svg => {
-                let write = |scene: &Scene, options: &SvgOptions, out: &mut dyn Write| {
-                    packed(gzip, out, |out| svg::write(scene, options, out)).map(|summary| summary.warnings)
-                };
-                return self.write_within(scene, write, out);
-            }
-            Format::Pdf => {
-                let write = |scene: &Scene, _: &SvgOptions, out: &mut dyn Write| {
-                    pdf::write(scene, out).map(|_| Vec::new())
-                };
-                return self.write_within(scene, write, out);
-            }
-            Format::Png => {
-                let seed = scene.parameters.as_ref().map(|p| p.seed);
-                png::encode(&png::render_page(scene, self.scale, &())?, seed, scene.page, out)?;
-            }
-            Format::Scene | Format::Library => write_document(&scene.to_json(), gzip, out)?,
+    fn options(&self) -> WriteOptions<'static> {
+        let Self { precision, expand, css, max_bytes, scale, pattern, .. } = *self;
+        let svg = SvgOptions { precision, expand, css, names: true, fills: pattern };
+        WriteOptions { svg, max_bytes, scale, ..WriteOptions::default() }
+    }
+
+    /// A sentence about each option that was given but that a format does not use.
+    fn idle(&self, format: Format) -> Vec<String> {
+        let uses = format.uses();
+        let mut idle = Vec::new();
+        if self.max_bytes.is_some() && !uses.max_bytes {
+            idle.push(format!("max_bytes has no effect here: it is for {}", users_of(|uses| uses.max_bytes)));
         }
-        Ok(Vec::new())
+        if self.scale != 1.0 && !uses.scale {
+            idle.push(format!("scale has no effect here: it is for {}", users_of(|uses| uses.scale)));
+        }
+        idle
     }
 
-    /// Writes a scene by `writer`, which returns its warnings, reduced to the permitted number of bytes.
-    fn write_within(
-        &self,
-        scene: &Scene,
-        writer: impl Fn(&Scene, &SvgOptions, &mut dyn Write) -> io::Result<Vec<String>>,
-        out: &mut dyn Write,
-    ) -> io::Result<Vec<String>> {
-        let options =
-            SvgOptions { precision: self.precision, expand: self.expand, css: self.css, names: true };
-        let Some(most) = self.max_bytes else { return writer(scene, &options, out) };
-        let measure = |scene: &Scene, options: &SvgOptions| {
-            let mut out = Sealed::new(PythonByteCounter(0));
-            writer(scene, options, &mut out)?;
-            io::Result::Ok(out.finish()?.0)
-        };
-        let reduced = reduce::to_fit(scene, &options, most, measure)?;
-        writer(&reduced.scene, &reduced.options, out)
-    }
-
-    /// The bytes of a file, sealed as a file is.
+    /// The bytes of a file, sealed as a file is, and warnings.
     ///
     /// # Errors
     /// As [`WritingOptions::save`].
-    pub(crate) fn bytes(&self, scene: &Scene, kind: FileKind) -> Result<(Vec<u8>, Vec<String>)> {
+    pub(crate) fn bytes(
+        &self,
+        scene: &Scene,
+        kind: FileKind,
+        progress: &dyn Progress,
+    ) -> Result<(Vec<u8>, Vec<String>)> {
         let mut out = Sealed::new(Vec::new());
-        let warnings = self.write(&*self.scene(scene)?, kind, &mut out).map_err(in_memory)?;
+        let scene = self.scene(scene)?;
+        let file = PreparedFile::new(kind, &scene, self.options(), progress).map_err(in_memory)?;
+        let mut warnings = self.idle(kind.format);
+        warnings.extend(file.write(progress, &mut out).map_err(in_memory)?);
         Ok((out.finish().map_err(in_memory)?, warnings))
     }
 
-    /// Writes a file; its size and warnings of the writer.
+    /// Writes a file; its size and warnings.
     ///
     /// # Errors
-    /// Those of the writers, of [`reduce::to_fit`] and of [`write_file`].
+    /// Those of [`PreparedFile`] and of [`write_file`].
     pub(crate) fn save(
         &self,
         scene: &Scene,
-        path: &Path,
-        kind: FileKind,
+        (path, kind): (&Path, FileKind),
         force: bool,
+        progress: &dyn Progress,
     ) -> Result<(u64, Vec<String>)> {
         let scene = self.scene(scene)?;
-        let (warnings, bytes) = write_file(path, force, |out| self.write(&scene, kind, out))?;
+        let file =
+            PreparedFile::new(kind, &scene, self.options(), progress).map_err(|e| Error::write(path, e))?;
+        let mut warnings = self.idle(kind.format);
+        let (written, bytes) = write_file(path, force, |out| file.write(progress, out))?;
+        warnings.extend(written);
         Ok((bytes, warnings))
     }
 }
 
-/// Counts bytes.
-struct PythonByteCounter(u64);
-
-impl Write for PythonByteCounter {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.0 += bytes.len() as u64;
-        Ok(bytes.len())
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        Ok(())
-    }
+/// The kind of file that a name stands for, among the formats that `allowed` is true of. `what` ends in the message.
+pub(crate) fn kind_of(
+    py: Python<'_>,
+    path: &Path,
+    allowed: impl Fn(Format) -> bool,
+    what: &str,
+) -> PyResult<FileKind> {
+    let kind = FileKind::from_path(path).filter(|kind| allowed(kind.format));
+    kind.ok_or_else(|| {
+        let hint = match &endings(allowed)[..] {
+            [others @ .., last] if !others.is_empty() => {
+                format!("names end in {} or {last}", others.join(", "))
+            }
+            few => format!("names end in {}", few.concat()),
+        };
+        errors::input(py, &format!("the name of '{}' {what}", path.display()), Some(&hint))
+    })
 }
 
-/// Hands a writer to `content` that packs if asked to; then the content is sealed here.
-fn packed<T>(
-    pack: bool,
-    out: &mut dyn Write,
-    content: impl FnOnce(&mut dyn Write) -> io::Result<T>,
-) -> io::Result<T> {
-    if !pack {
-        return content(out);
-    }
-    let mut packed = Sealed::new(gzip(out));
-    let value = content(&mut packed)?;
-    packed.finish()?.finish()?;
-    Ok(value)
-}
-
-/// Writes a document, packed if asked to.
-fn write_document(json: &[u8], pack: bool, out: &mut dyn Write) -> io::Result<()> {
-    packed(pack, out, |out| out.write_all(json))
-}
-
-/// Writes a document's file, packed if asked to; its size.
+/// Writes a document's file; its size.
 ///
 /// # Errors
 /// Those of [`write_file`].
-pub(crate) fn save_document(path: &Path, force: bool, pack: bool, json: &[u8]) -> Result<u64> {
-    Ok(write_file(path, force, |out| write_document(json, pack, out))?.1)
+pub(crate) fn save_document(path: &Path, kind: FileKind, force: bool, json: &[u8]) -> Result<u64> {
+    Ok(write_file(path, force, |out| kind.pack(out, |out| out.write_all(json)))?.1)
 }
 
 /// A document packed as gzip, without a seal.

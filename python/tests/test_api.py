@@ -125,6 +125,38 @@ def test_svgs_are_as_asked_for(scene):
     most = len(plain) * 2 // 3
     assert len(scene.svg(max_bytes=most)) <= most
     assert "#123456" in scene.svg(background="#123456")
+    assert scene.svg(background="transparent") == scene.svg(background="none") != plain
+
+
+def test_pdfs_are_as_small_as_asked_for(scene, tmp_path):
+    whole = scene.pdf()
+    most = len(whole) * 9 // 10
+    small = scene.pdf(max_bytes=most)
+    assert len(small) <= most
+    scene.save(tmp_path / "small.pdf", max_bytes=most)
+    assert (tmp_path / "small.pdf").read_bytes() == small
+    for tiny in (lambda: scene.pdf(max_bytes=1), lambda: scene.save(tmp_path / "tiny.pdf", max_bytes=1)):
+        with pytest.raises(vtex.InputError, match="no PDF of the scene fits in 1 bytes"):
+            tiny()
+    assert not (tmp_path / "tiny.pdf").exists()
+
+
+def test_options_without_effect_are_told(scene, tmp_path):
+    with pytest.warns(vtex.VtexWarning, match=r"max_bytes has no effect here: it is for \.svg, \.svgz and \.pdf"):
+        scene.save(tmp_path / "out.png", max_bytes=1000)
+    with pytest.warns(vtex.VtexWarning, match=r"scale has no effect here: it is for \.png"):
+        scene.save(tmp_path / "out.svg", scale=2)
+    assert (tmp_path / "out.svg").read_text(encoding="utf-8") == scene.svg()
+
+
+def test_names_of_other_formats_are_refused(scene, library, tmp_path):
+    with pytest.raises(vtex.InputError) as error:
+        scene.save(tmp_path / "out.lib.json")
+    assert error.value.hint == "names end in .svg, .svgz, .pdf, .png, .scene.json or .scene.json.gz"
+    with pytest.raises(vtex.InputError) as error:
+        library.save(tmp_path / "out.svg")
+    assert error.value.hint == "names end in .lib.json or .lib.json.gz"
+    assert not list(tmp_path.iterdir())
 
 
 def test_pictures_have_their_scale_and_background(scene):
@@ -180,6 +212,24 @@ def test_drawings_are_exemplars_too():
     if library.is_periodic:
         whole = vtex.synthesize(library)
         assert whole.width % library.width == 0 and whole.height % library.height == 0
+
+
+def test_swatches_of_one_ink_are_recoloured_and_fill():
+    swatch = """<svg xmlns="http://www.w3.org/2000/svg" width="40" height="40"><path d="M8 8h6v6h-6z"/>
+    <path d="M18 31l7 3M-3 20h6M37 20h6" fill="none" stroke="#000"/><circle cx="30" cy="9" r="4" fill="#fff"/></svg>"""
+    library = vtex.analyze(swatch, wrap=True, name="swatch.svg")
+    scene = vtex.synthesize(library, 40, tile="both", variation=0, seed=1)
+    assert 'class="ink" color="#000"' in scene.svg()
+    red = scene.render(ink="#c00", background="navy")
+    assert red[11, 11].tolist() == [204, 0, 0] and red[9, 30].tolist() == [0, 0, 128]
+    tile = scene.svg(pattern=True, ink="#c00", background="navy")
+    assert '<pattern id="texture"' in tile and "<symbol" not in tile and 'color="#c00"' in tile
+    with pytest.raises(vtex.InputError, match="cannot be transparent"):
+        scene.png(ink="red", background="none")
+    with pytest.raises(vtex.InputError, match="ink"):
+        scene.pdf(ink="nothing")
+    with pytest.raises(vtex.InputError, match="both axes"):
+        vtex.synthesize(library, 40, seed=1).svg(pattern=True)
 
 
 def test_pictures_of_lines_become_drawings_of_strokes():

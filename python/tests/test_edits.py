@@ -1,8 +1,11 @@
 """Edits: what each does, and that all are what the program does."""
 
+import json
 import pickle
+import re
 import subprocess
 from dataclasses import fields
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -174,3 +177,39 @@ def test_every_class_of_edits_is_compared():
     for kind in classes:
         for field in fields(kind):
             assert field.name in ("layer", "where") or field.name in kind.__doc__, (kind, field.name)
+
+
+def _operations():
+    """Return the operations of the schema of scenes, which the program makes: the fields of each, by name."""
+    text = (Path(__file__).parents[2] / "schema" / "scene.schema.json").read_text(encoding="utf-8")
+    definitions = json.loads(text)["$defs"]
+    operations = {}
+    for case in definitions["Action"]["oneOf"]:
+        operations.update({name: {} for name in case.get("enum", [case.get("const")]) if name})
+        for name, content in case.get("properties", {}).items():
+            content = definitions[content["$ref"].rsplit("/", 1)[1]] if "$ref" in content else content
+            operations[name] = content["properties"]
+    return operations
+
+
+def test_classes_have_the_fields_and_ranges_of_the_operations():
+    classes = {kind._word: kind for kind in vtex.Edit.__subclasses__()}
+    operations = _operations()
+    assert classes.keys() == operations.keys() and len(operations) > 20
+    ranges = 0
+    for word, properties in operations.items():
+        kind = classes[word]
+        own = {field.name.rstrip("_") for field in fields(kind)} - {"layer", "where"}
+        # A palette's file is told by its name, in place of colours.
+        assert own == properties.keys() - ({"file"} if word == "palette" else set()), word
+        documented = {}
+        for names, text in re.findall(r"^([\w, ]+) : (.*\n(?:    .*\n|\n)*)", kind.__doc__, re.MULTILINE):
+            documented.update({name.rstrip("_"): " ".join(text.split()) for name in names.split(", ")})
+        for name, declared in properties.items():
+            if "minimum" in declared:
+                number = r"-?\d+(?:\.\d+)?(?:\*\*\d+)?"
+                told = re.findall(rf"({number}) to ({number})", documented[name])
+                told = [tuple(float(eval(end)) for end in ends) for ends in told]
+                assert (declared["minimum"], declared["maximum"]) in told, (word, name, told)
+                ranges += 1
+    assert ranges > 20

@@ -18,6 +18,10 @@ import vtex
 CAGE = """<svg xmlns="http://www.w3.org/2000/svg" width="300" height="200">
 <path d="M0 0 L300 0 L300 200 L0 200 Z"/></svg>"""
 
+SMALL = """<svg xmlns="http://www.w3.org/2000/svg" width="24" height="24">
+<circle cx="5.13" cy="5" r="2.27" fill="#a03020"/><circle cx="16" cy="7.31" r="2.6"/>
+<circle cx="9" cy="17" r="3.1"/><circle cx="19" cy="18" r="1.9" fill="#208040"/></svg>"""
+
 
 @pytest.fixture(scope="module")
 def made(program, photo_path, tmp_path_factory):
@@ -51,6 +55,10 @@ def made(program, photo_path, tmp_path_factory):
         *("transfer", "--structure", "p.lib.json", "--appearance", "t.lib.json", "p.scene.json.gz", "--map", "map.png"),
         *("--mode", "mean", "--element-scale", "0.8", "-o", "mixed.svg"),
     )
+    (folder / "small.drawing.svg").write_text(SMALL)
+    run("analyze", "small.drawing.svg", "-o", "s.lib.json")
+    run("synth", "s.lib.json", "--size", "60", "-o", "fine.svg", "-o", "fine.svgz", "-o", "fine.scene.json")
+    run("edit", "fine.scene.json", "--op", "flatten", "-o", "flat.svg")
     run("vectorize", photo_path, "-o", "vectors.svg")
     run("vectorize", photo_path, "--colors", "8", "--wrap=on", "-o", "poster.scene.json")
     run("transfer", "--onto", photo_path, "--appearance", "t.lib.json", "-o", "drawn.svg")
@@ -85,6 +93,15 @@ def same(made, folder, number):
     assert len(names) == number
     for name in names:
         assert (folder / name).read_bytes() == (made / name).read_bytes(), name
+
+
+def test_drawings_on_small_pages_are_the_same_bytes(made, tmp_path):
+    scene = vtex.synthesize(vtex.Library.read(made / "s.lib.json"), 60, seed=7)
+    for name in ("fine.svg", "fine.svgz", "fine.scene.json"):
+        scene.save(tmp_path / name)
+    vtex.Scene.read(made / "fine.scene.json").edit(vtex.Flatten(), seed=7).save(tmp_path / "flat.svg")
+    same(made, tmp_path, 4)
+    assert scene.svg(precision=1) == scene.svg(precision=2) != scene.svg(precision=0)
 
 
 def test_documents_of_the_program_are_read(made):
@@ -130,7 +147,7 @@ def packaged(request, tmp_path):
     return run
 
 
-SMALL = ("--segmenter", "regions", "--size", "200", "--seed", "7", "--quiet")
+QUICK = ("--segmenter", "regions", "--size", "200", "--seed", "7", "--quiet")
 
 
 def test_the_packaged_program_prints_its_version_and_help(packaged):
@@ -151,7 +168,7 @@ def test_the_packaged_program_returns_exit_codes(packaged):
 def test_the_packaged_program_makes_the_same_bytes(packaged, program, photo_path, tmp_path):
     if Path(program).samefile(script()):
         pytest.skip("no other program to compare with: set VTEX_PROGRAM")
-    line = ("texture", photo_path, *SMALL, "-o", "out.svg")
+    line = ("texture", photo_path, *QUICK, "-o", "out.svg")
     result = packaged(*line)
     assert result.returncode == 0, result.stderr
     packed = (tmp_path / "out.svg").read_bytes()
@@ -161,7 +178,7 @@ def test_the_packaged_program_makes_the_same_bytes(packaged, program, photo_path
 
 
 def test_the_packaged_program_reads_and_writes_streams(packaged, program, photo_path):
-    line = ("texture", "-", *SMALL, "-o", "-")
+    line = ("texture", "-", *QUICK, "-o", "-")
     photo = photo_path.read_bytes()
     result = packaged(*line, input=photo)
     assert result.returncode == 0, result.stderr
@@ -173,7 +190,7 @@ def test_the_packaged_program_reads_and_writes_streams(packaged, program, photo_
 def test_the_packaged_program_takes_names_that_are_not_utf8(packaged, photo_path, tmp_path):
     name = b"\xff.png"
     shutil.copy(photo_path, os.fsencode(tmp_path) + b"/" + name)
-    result = packaged("texture", name, *SMALL, "-o", "out.svg")
+    result = packaged("texture", name, *QUICK, "-o", "out.svg")
     assert result.returncode == 0, result.stderr
     assert (tmp_path / "out.svg").stat().st_size > 1000
 
@@ -187,7 +204,7 @@ def test_the_packaged_program_extends_other_programs_with_its_script(packaged, t
 
 @pytest.mark.skipif(os.name == "nt", reason="needs a shell of Unix")
 def test_the_packaged_program_reports_a_closed_output(photo_path, tmp_path):
-    line = [sys.executable, "-m", "vtex", "texture", str(photo_path), *SMALL, "-o", "-"]
+    line = [sys.executable, "-m", "vtex", "texture", str(photo_path), *QUICK, "-o", "-"]
     closed = ["sh", "-c", 'exec "$@" >&-', "sh", *line]
     result = subprocess.run(closed, stderr=subprocess.PIPE, cwd=tmp_path, timeout=120)
     assert result.returncode == 1 and b"it is closed" in result.stderr

@@ -10,8 +10,8 @@ use super::input::read_text;
 use super::nearest::nearest;
 use super::options::analyze::{AnalyzeFlags, SegmenterName};
 use super::options::global::Global;
-use super::options::render::{RenderFlags, RenderParameters};
-use super::options::svg::{SvgFlags, SvgParameters};
+use super::options::render::{RenderFlags, RenderParameters, ink};
+use super::options::svg::{SvgFlags, SvgForm, SvgParameters};
 use super::options::synth::{SynthBackgroundFlags, SynthFlags};
 use super::values::{Axes, FiveWeights, Name, Seed, Size, WeightsFrom, Wrap, named, one_of_these};
 use clap::error::{ContextKind, ContextValue};
@@ -25,7 +25,7 @@ use std::path::Path;
 use toml::{Table, Value};
 use vtex::library::AnalyzeParams;
 use vtex::output::svg::SvgOptions;
-use vtex::scene::SynthParams;
+use vtex::scene::{SynthParams, Tile};
 use vtex::synth::CanvasSize;
 
 /// Every parameter, resolved.
@@ -227,6 +227,7 @@ impl Default for Parameters {
             size: CanvasSize::default(),
             weights: None,
             svg: SvgParameters {
+                form: SvgForm::default(),
                 precision: SvgOptions::PRECISION.default(),
                 expand: false,
                 css: false,
@@ -258,6 +259,9 @@ impl Parameters {
             }
         }
         parameters.merge(values).map_err(Failure::usage)?;
+        if parameters.svg.form == SvgForm::Pattern && !parameters.synth.tile.any() {
+            parameters.synth.tile = Tile { x: true, y: true };
+        }
         // Libraries, on which the size may depend, are read later.
         parameters.size.set(&mut parameters.synth, &[], parameters.render.dpi.0);
         parameters.analyze.validate()?;
@@ -285,6 +289,7 @@ impl Parameters {
         })?;
         self.synth = merged(&self.synth, synth)?;
         let mut svg = of("svg");
+        take(&mut svg, "as", named, |v| self.svg.form = v)?;
         take(&mut svg, "precision", str::parse, |v| self.svg.precision = v)?;
         take(&mut svg, "expand", str::parse, |v| self.svg.expand = v)?;
         take(&mut svg, "css", str::parse, |v| self.svg.css = v)?;
@@ -292,6 +297,7 @@ impl Parameters {
         let mut render = of("render");
         take(&mut render, "scale", str::parse, |v| self.render.scale = v)?;
         take(&mut render, "dpi", str::parse, |v| self.render.dpi = v)?;
+        take(&mut render, "ink", ink, |v| self.render.ink = Some(v))?;
         take(&mut render, "background", str::parse, |v| self.render.background = Some(v))
     }
 

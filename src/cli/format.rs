@@ -2,37 +2,60 @@
 
 use super::failure::Failure;
 use super::values::alternatives;
+use clap::Arg;
+use clap::builder::StyledStr;
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
-use vtex::output::file::{FileKind, Format};
+use vtex::output::file::{FileKind, Format, endings};
+
+/// The formats of a command, by a condition.
+pub(crate) type Allowed = fn(Format) -> bool;
 
 /// Formats of `texture`.
-pub(crate) const OF_PHOTO: &[Format] =
-    &[Format::Svg, Format::Pdf, Format::Png, Format::Scene, Format::Library];
+pub(crate) const OF_PHOTO: Allowed = |_| true;
 /// Formats of a scene.
-pub(crate) const OF_SCENE: &[Format] = &[Format::Svg, Format::Pdf, Format::Png, Format::Scene];
+pub(crate) const OF_SCENE: Allowed = Format::is_of_scene;
 /// Formats of `analyze`.
-pub(crate) const OF_LIBRARY: &[Format] = &[Format::Library];
+pub(crate) const OF_LIBRARY: Allowed = |format| !format.is_of_scene();
 /// Formats of `--pattern`.
-pub(crate) const OF_PATTERN: &[Format] = &[Format::Svg];
+pub(crate) const OF_PATTERN: Allowed = |format| format.uses().pattern;
 
-fn extensions(format: Format) -> &'static [&'static str] {
-    match format {
-        Format::Svg => &[".svg", ".svgz"],
-        Format::Pdf => &[".pdf"],
-        Format::Png => &[".png"],
-        Format::Scene => &[".scene.json", ".scene.json.gz"],
-        Format::Library => &[".lib.json", ".lib.json.gz"],
+/// Formats that keep to `--max-bytes`.
+pub(crate) const OF_MAX_BYTES: Allowed = |format| format.uses().max_bytes;
+
+/// Names formats in the help of an option.
+pub(crate) trait Lists: Sized {
+    /// Puts the endings of formats in the place of `{formats}`.
+    fn lists(self, allowed: Allowed) -> Self {
+        self.fills("{formats}", &alternatives(&endings(allowed)))
+    }
+
+    /// Puts a text in place of another.
+    fn fills(self, place: &str, text: &str) -> Self;
+}
+
+impl Lists for Arg {
+    fn fills(self, place: &str, text: &str) -> Self {
+        let filled = |help: Option<&StyledStr>| help.map(|help| help.to_string().replace(place, text));
+        let long = filled(self.get_long_help());
+        let short = filled(self.get_help()).unwrap_or_default();
+        match long {
+            Some(long) => self.help(short).long_help(long),
+            None => self.help(short),
+        }
     }
 }
 
+/// The names of formats in words, such as `SVG or PDF`.
+pub(crate) fn titles(allowed: Allowed) -> String {
+    let formats = Format::all().filter(|format| allowed(*format));
+    alternatives(&formats.map(|format| format.writer().endings[0].title).collect::<Vec<_>>())
+}
+
 /// The kind of file that the name `path` stands for, among those allowed; `flag` is the option that named it.
-pub(crate) fn kind_of(flag: &str, path: &Path, allowed: &[Format]) -> Result<FileKind, Failure> {
-    let kind = FileKind::from_path(path).filter(|k| allowed.contains(&k.format));
-    kind.ok_or_else(|| {
-        let known: Vec<&str> = allowed.iter().flat_map(|f| extensions(*f)).copied().collect();
-        unknown_name(flag, path, &known)
-    })
+pub(crate) fn kind_of(flag: &str, path: &Path, allowed: Allowed) -> Result<FileKind, Failure> {
+    let kind = FileKind::from_path(path).filter(|k| allowed(k.format));
+    kind.ok_or_else(|| unknown_name(flag, path, &endings(allowed)))
 }
 
 /// Checks that masks can be saved under a name.
@@ -75,7 +98,7 @@ pub(crate) fn default_name(input: &Path, word: &str, format: Format) -> PathBuf 
         name.push(".");
         name.push(word);
     }
-    name.push(extensions(format)[0]);
+    name.push(format.ending());
     name.into()
 }
 

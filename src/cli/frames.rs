@@ -5,7 +5,7 @@ use super::output::{Destination, DrawingOptions, Target, WrittenFile};
 use super::progress::Reporter;
 use std::cmp::Reverse;
 use std::path::Path;
-use vtex::output::file::{FileKind, Format};
+use vtex::output::file::FileKind;
 use vtex::output::raster_animation::RasterAnimation;
 use vtex::output::reduce::GivenUp;
 use vtex::scene::Scene;
@@ -34,9 +34,9 @@ impl Frames<'_> {
         (kind, force): (FileKind, bool),
     ) -> anyhow::Result<WrittenFile> {
         std::fs::create_dir_all(folder).map_err(|e| Error::write(folder, e))?;
-        let ending = if kind.format == Format::Png { "png" } else { "svg" };
         let count = self.animation.frames;
-        let name = |k: u32| folder.join(format!("frame_{k:0digits$}.{ending}", digits = digits(count)));
+        let name =
+            |k: u32| folder.join(format!("frame_{k:0digits$}{}", kind.ending().text, digits = digits(count)));
         let mut written = WrittenFile::default();
         for k in 0..count {
             let target = Target { place: Destination::File { path: name(k + 1), force }, kind };

@@ -3,8 +3,9 @@
 use std::io::ErrorKind;
 use std::path::Path;
 use vtex::Error;
-use vtex::error::{EditFault, Large};
+use vtex::error::{EditFault, FillFault, Large};
 use vtex::library::{Library, SourceKind};
+use vtex::output::file::packed_ending;
 use vtex::scene::{Method, SynthParams};
 
 /// The note of a page on a photograph that was not found.
@@ -117,8 +118,17 @@ pub(crate) fn hint(error: &Error) -> Option<String> {
         Error::Parameter { name: "region", .. } => "draw a larger shape for --region",
         Error::Parameter { name: "canvas", .. } => "give a larger --size",
         Error::Seams => "make the texture with --tile, for both axes",
+        Error::Inks(_) => {
+            "'vtex edit' gives one colour to all elements, with --op 'tint red --amount 1 --layer primary'"
+        }
+        Error::Paper => "give --paper a colour",
+        Error::Fill(FillFault::Background) => "give --background a colour, or none",
+        Error::Fill(FillFault::Shading) => "analyse the photograph with --shading flat",
+        Error::Fill(FillFault::Shape) => {
+            "leave out --domain or --domain-mask; for layers, analyse with --layers off"
+        }
         Error::MaxBytes { file, smallest, .. } => {
-            let packed = if *file == "SVG" { "write .svgz, " } else { "" };
+            let packed = packed_ending(file).map(|ending| format!("write {ending}, ")).unwrap_or_default();
             return Some(format!("give --max-bytes {smallest} or more, {packed}or make the texture smaller"));
         }
         _ => return error.hint(),
@@ -144,6 +154,9 @@ mod tests {
                 "--size",
             ),
             (Error::Seams, "--tile"),
+            (Error::Inks("several colours".into()), "tint red"),
+            (Error::Paper, "--paper"),
+            (Error::Fill(FillFault::Background), "--background"),
             (Error::Sizes { from: [1, 1], to: [2, 2] }, "--stretch"),
             (Error::MaxBytes { file: "SVG", most: 1, smallest: 7 }, "write .svgz"),
             (Error::MaxBytes { file: "PDF", most: 1, smallest: 7 }, "--max-bytes 7 or more, or make"),

@@ -91,6 +91,15 @@ pub(crate) fn check() -> vtex::Result<()> {
     if is_requested() { Err(vtex::Error::Interrupted) } else { Ok(()) }
 }
 
+/// Stops work if the user asked to. Shows no progress.
+pub(crate) struct Requests;
+
+impl vtex::Progress for Requests {
+    fn advance(&self, _: &'static str, _: u64, _: u64) -> bool {
+        !is_requested()
+    }
+}
+
 /// Runs work that may wait for another program without end, such as reading standard input; Ctrl-C then ends
 /// the program at once.
 pub(crate) fn waiting<T>(work: impl FnOnce() -> T) -> T {

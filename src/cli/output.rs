@@ -3,8 +3,8 @@
 use super::foreign::{escaped, escaped_json, styled};
 use super::input::was_read;
 use super::interrupt;
-use super::options::render::{BackgroundChoice, RenderParameters};
-use super::options::svg::SvgParameters;
+use super::options::render::RenderParameters;
+use super::options::svg::{SvgForm, SvgParameters};
 use super::values::{Bytes, Resolution};
 use serde::Serialize;
 use serde_json::Value;
@@ -18,10 +18,13 @@ use tiny_skia::Pixmap;
 use vtex::flow::Flowing;
 use vtex::interpolate::Interpolation;
 use vtex::library::Library;
-use vtex::output::file::{FileKind, Format, gzip, remove_abandoned, write_file};
-use vtex::output::reduce::{self, GivenUp};
+use vtex::output::file::{
+    BackgroundChoice, FileKind, Format, PreparedFile, Uses, WriteOptions, remove_abandoned, users_of,
+    write_file,
+};
+use vtex::output::reduce::GivenUp;
 use vtex::output::seal::Sealed;
-use vtex::output::{pdf, png, svg};
+use vtex::output::{png, svg};
 use vtex::scene::{Length, LengthUnit, Scene, page_at};
 use vtex::{Error, Progress, Result};
 
@@ -102,7 +105,7 @@ impl DrawingOptions<'_> {
     /// # Errors
     /// Those of [`png::render_page`].
     pub(crate) fn picture_with(&self, scene: &Scene, progress: &dyn Progress) -> Result<Pixmap> {
-        png::render_page(&self.scene(scene), self.render.scale, progress)
+        png::render_page(&*self.scene(scene)?, self.render.scale, progress)
     }
 
     /// The page of a scene, or that at the resolution of the options.
@@ -113,27 +116,48 @@ impl DrawingOptions<'_> {
         }
     }
 
-    /// The scene with the background and the page of the options.
-    fn scene<'s>(&self, scene: &'s Scene) -> Cow<'s, Scene> {
+    /// Refuses a scene that cannot be drawn as the options say.
+    ///
+    /// # Errors
+    /// Those of [`Scene::with_ink`] and of [`svg::check_fill`].
+    pub(crate) fn check(&self, scene: &Scene) -> Result<()> {
+        let scene = self.scene(scene)?;
+        if self.svg.form == SvgForm::Pattern { svg::check_fill(&scene) } else { Ok(()) }
+    }
+
+    /// The scene with the ink, the background and the page of the options.
+    fn scene<'s>(&self, scene: &'s Scene) -> Result<Cow<'s, Scene>> {
         let page = self.page(scene);
         let scene = match page == scene.page {
             true => Cow::Borrowed(scene),
             false => Cow::Owned(Scene { page, ..scene.clone() }),
         };
-        let Some(background) = self.render.background else { return scene };
-        Cow::Owned(scene.into_owned().with_background(match background {
-            BackgroundChoice::Colour(colour) => Some(colour),
-            BackgroundChoice::None => None,
-        }))
+        let paper = self.render.background.map(BackgroundChoice::colour);
+        Ok(match (self.render.ink, paper) {
+            (None, None) => scene,
+            (None, Some(paper)) => Cow::Owned(scene.into_owned().with_background(paper)),
+            (Some(ink), paper) => Cow::Owned(scene.into_owned().with_ink(ink, paper)?),
+        })
     }
 
     /// Size of a scene that is written in a format, in pixels: that of a picture, or of the canvas of a vector file on a
     /// page in lengths.
     pub(crate) fn size_of(&self, scene: &Scene, format: Format) -> [u32; 2] {
-        match (format, self.page(scene)) {
-            (Format::Png, _) => scene.picture_size(self.render.scale),
-            (_, Some(page)) if page[0].unit() != LengthUnit::Pixel => [scene.width, scene.height],
+        match self.page(scene) {
+            _ if format.uses().scale => scene.picture_size(self.render.scale),
+            Some(page) if page[0].unit() != LengthUnit::Pixel => [scene.width, scene.height],
             _ => scene.picture_size(1.0),
+        }
+    }
+
+    /// The options of the writers of files.
+    fn write_options(&self) -> WriteOptions<'_> {
+        WriteOptions {
+            svg: self.svg.into(),
+            max_bytes: self.svg.max_bytes.map(|Bytes(most)| most),
+            scale: self.render.scale,
+            recipe: self.recipe,
+            pattern: false,
         }
     }
 }
@@ -170,6 +194,15 @@ impl Destination {
             #[cfg(feature = "studio")]
             Self::Memory(_) => Path::new("memory"),
         }
+    }
+
+    /// Who may stop the work on the file.
+    fn progress(&self) -> &dyn Progress {
+        #[cfg(feature = "studio")]
+        if let Self::Memory(buffer) = self {
+            return &buffer.1;
+        }
+        &interrupt::Requests
     }
 
     /// Fails early if writing would fail for a known reason: a foreign file, or a folder that is missing or
@@ -291,6 +324,11 @@ impl Targets {
         self.all().any(|target| target.kind.format == format)
     }
 
+    /// Whether one of their formats uses an option.
+    pub(crate) fn any_uses(&self, option: fn(&Uses) -> bool) -> bool {
+        self.all().any(|target| option(&target.kind.format.uses()))
+    }
+
     /// Writes a scene to all targets, or its library where the file name stands for one.
     ///
     /// # Errors
@@ -305,8 +343,9 @@ impl Targets {
             (Format::Library, Some(library)) => target.write_bytes(&library.to_json()),
             _ => target.write_scene(scene, drawing),
         })?;
-        if drawing.svg.max_bytes.is_some() && !self.has(Format::Svg) && !self.has(Format::Pdf) {
-            written.warnings.push("--max-bytes has no effect here: it is for .svg, .svgz and .pdf".into());
+        if drawing.svg.max_bytes.is_some() && !self.any_uses(|uses| uses.max_bytes) {
+            let users = users_of(|uses| uses.max_bytes);
+            written.warnings.push(format!("--max-bytes has no effect here: it is for {users}"));
         }
         Ok(written)
     }
@@ -333,44 +372,33 @@ impl Target {
     /// # Errors
     /// As [`Destination::write`].
     pub(crate) fn write_bytes(&self, bytes: &[u8]) -> Result<WrittenFile> {
-        let (_, count) = self.place.write(|out| self.pack(out, |out| out.write_all(bytes)))?;
+        let (_, count) = self.place.write(|out| self.kind.pack(out, |out| out.write_all(bytes)))?;
         Ok(WrittenFile::of(count))
     }
 
-    /// Writes a scene in the format of the file name; the scale applies to PNG only, the recipe for SVG only,
-    /// the limit of bytes for SVG and PDF.
+    /// Writes a scene in the format of the file name, which uses some of the options.
     ///
     /// # Errors
-    /// As [`Destination::write`], and those of the writers and of [`reduce::to_fit`].
+    /// As [`Destination::write`], and those of [`PreparedFile`].
     pub(crate) fn write_scene(&self, scene: &Scene, drawing: DrawingOptions<'_>) -> Result<WrittenFile> {
-        let DrawingOptions { svg, recipe, .. } = drawing;
-        let scene = &*drawing.scene(scene);
-        Ok(match self.kind.format {
-            Format::Svg => {
-                return self.write_within(scene, svg, |s, o, out| {
-                    svg::write_with_recipe(s, o, recipe, out).map(|summary| summary.warnings)
-                });
-            }
-            Format::Scene | Format::Library => self.write_bytes(&scene.to_json())?,
-            Format::Pdf => {
-                return self.write_within(scene, svg, |s, _, out| pdf::write(s, out).map(|_| Vec::new()));
-            }
-            Format::Png => {
-                let picture = drawing.picture(scene)?;
-                let seed = scene.parameters.as_ref().map(|p| p.seed);
-                WrittenFile::of(self.place.write(|out| png::encode(&picture, seed, scene.page, out))?.1)
-            }
-        })
+        self.write_prepared(&*drawing.scene(scene)?, drawing.write_options())
     }
 
     /// Writes a scene as a pattern. The background may have one colour, but may not be missing.
     ///
     /// # Errors
-    /// As [`Destination::write`], and those of [`svg::write_pattern`] and of [`reduce::to_fit`].
+    /// As [`Target::write_scene`].
     pub(crate) fn write_pattern(&self, scene: &Scene, drawing: DrawingOptions<'_>) -> Result<WrittenFile> {
-        self.write_within(&drawing.scene(scene), drawing.svg, |s, o, out| {
-            svg::write_pattern(s, o, out).map(|summary| summary.warnings)
-        })
+        let options = WriteOptions { pattern: true, ..drawing.write_options() };
+        self.write_prepared(&*drawing.scene(scene)?, options)
+    }
+
+    fn write_prepared(&self, scene: &Scene, options: WriteOptions<'_>) -> Result<WrittenFile> {
+        let progress = self.place.progress();
+        let file = PreparedFile::new(self.kind, scene, options, progress)
+            .map_err(|e| or_interrupted(Error::write(self.place.path(), e)))?;
+        let (warnings, bytes) = self.place.write(|out| file.write(progress, out))?;
+        Ok(WrittenFile { bytes, warnings, given_up: file.given_up, others: Vec::new() })
     }
 
     /// Writes the interpolation of two scenes as an animated SVG.
@@ -383,7 +411,7 @@ impl Target {
         animation: &svg::Animation,
     ) -> Result<WrittenFile> {
         let (summary, bytes) =
-            self.place.write(|out| self.pack(out, |w| svg::write_animation(way, animation, w)))?;
+            self.place.write(|out| self.kind.pack(out, |w| svg::write_animation(way, animation, w)))?;
         Ok(WrittenFile { bytes, warnings: summary.warnings, ..WrittenFile::default() })
     }
 
@@ -398,62 +426,8 @@ impl Target {
         options: &svg::SvgOptions,
     ) -> Result<WrittenFile> {
         let write = |out: &mut dyn Write| svg::write_flow(flowing, seconds, options, out);
-        let (summary, bytes) = self.place.write(|out| self.pack(out, |w| write(w)))?;
+        let (summary, bytes) = self.place.write(|out| self.kind.pack(out, |w| write(w)))?;
         Ok(WrittenFile { bytes, warnings: summary.warnings, ..WrittenFile::default() })
-    }
-
-    /// Writes a scene by `writer`, which returns its warnings, reduced to the permitted number of bytes.
-    fn write_within(
-        &self,
-        scene: &Scene,
-        svg: SvgParameters,
-        writer: impl Fn(&Scene, &svg::SvgOptions, &mut dyn Write) -> io::Result<Vec<String>>,
-    ) -> Result<WrittenFile> {
-        let options = svg.into();
-        let Some(Bytes(most)) = svg.max_bytes else {
-            let (warnings, bytes) = self.place.write(|out| self.pack(out, |w| writer(scene, &options, w)))?;
-            return Ok(WrittenFile { bytes, warnings, ..WrittenFile::default() });
-        };
-        let measure = |scene: &Scene, options: &svg::SvgOptions| {
-            let mut out = Sealed::new(StoppableByteCounter::new(io::sink()));
-            self.pack(&mut out, |w| writer(scene, options, w))?;
-            io::Result::Ok(out.finish()?.count)
-        };
-        let fail = |e| match or_interrupted(Error::write(self.place.path(), e)) {
-            Error::MaxBytes { most, smallest, .. } => {
-                Error::MaxBytes { file: self.kind_of_drawing(), most, smallest }
-            }
-            other => other,
-        };
-        let reduced = reduce::to_fit(scene, &options, most, measure).map_err(fail)?;
-        let (warnings, bytes) =
-            self.place.write(|out| self.pack(out, |w| writer(&reduced.scene, &reduced.options, w)))?;
-        let given_up = reduced.given_up;
-        Ok(WrittenFile { bytes, warnings, given_up, others: Vec::new() })
-    }
-
-    /// The kind of a file of a drawing, for messages.
-    fn kind_of_drawing(&self) -> &'static str {
-        match self.kind {
-            FileKind { format: Format::Pdf, .. } => "PDF",
-            FileKind { gzip: true, .. } => "SVGZ",
-            _ => "SVG",
-        }
-    }
-
-    /// Passes a writer to `content` that packs if the file name ends so; packed content is sealed here.
-    fn pack<T>(
-        &self,
-        out: &mut dyn Write,
-        content: impl FnOnce(&mut dyn Write) -> io::Result<T>,
-    ) -> io::Result<T> {
-        if !self.kind.gzip {
-            return content(out);
-        }
-        let mut packed = Sealed::new(gzip(out));
-        let value = content(&mut packed)?;
-        packed.finish()?.finish()?;
-        Ok(value)
     }
 }
 

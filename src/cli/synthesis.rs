@@ -9,7 +9,7 @@ use super::options::control::Steering;
 use super::options::files::ForceArgs;
 use super::options::pattern::{PatternArgs, pattern};
 use super::options::render::RenderParameters;
-use super::options::svg::SvgParameters;
+use super::options::svg::{SvgForm, SvgParameters};
 use super::options::variants::{VariantsArgs, of_seed, target_of_seed};
 use super::output::{DrawingOptions, Target, Targets, say};
 use super::progress::Reporter;
@@ -25,7 +25,7 @@ use vtex::Progress;
 use vtex::library::Library;
 use vtex::output::file::Format;
 use vtex::scene::{Scene, SynthParams, splat};
-use vtex::synth::{CanvasSize, Controls, Cost, SynthReport, synthesize_with};
+use vtex::synth::{CanvasSize, Controls, Cost, SynthReport, reconstruct, synthesize_with};
 
 /// How a texture is made and written.
 pub(crate) struct Synthesis {
@@ -54,9 +54,13 @@ impl Synthesis {
     ) -> Result<Self, Failure> {
         let Parameters { synth, size, svg, render, .. } = parameters;
         let pattern = pattern(pattern_args, force, &targets)?;
-        if pattern.is_some() && !synth.tile.both() {
-            let message = "--pattern needs a texture that repeats along both axes";
-            return Err(Failure::usage(message).hint("give --tile, for both axes"));
+        for (option, given) in
+            [("--pattern", pattern.is_some()), ("--as pattern", svg.form == SvgForm::Pattern)]
+        {
+            if given && !synth.tile.both() {
+                let message = format!("{option} needs a texture that repeats along both axes");
+                return Err(Failure::usage(message).hint("give --tile, for both axes"));
+            }
         }
         let variants = variants.count(&targets)?;
         Ok(Self {
@@ -82,9 +86,9 @@ impl Synthesis {
 
     /// The parameters with the canvas asked for, or with that which suits the libraries.
     pub(crate) fn canvas(&self, libraries: &[Library]) -> SynthParams {
-        let (size, Resolution(dpi)) = self.asked;
+        let (size, resolution) = self.asked;
         let mut parameters = self.parameters.clone();
-        size.set(&mut parameters, libraries, dpi);
+        self.svg.form.set_canvas(size, &mut parameters, libraries, resolution);
         parameters
     }
 
@@ -160,7 +164,7 @@ pub(crate) fn finish(
     let Sources { command, inputs, libraries, recipe } = sources;
     let Synthesis { svg, render, targets, .. } = synthesis;
     let parameters = &synthesis.canvas(libraries);
-    if let Some(warning) = render.warning(targets.has(Format::Png)) {
+    if let Some(warning) = render.warning(targets.any_uses(|uses| uses.scale)) {
         reporter.warn(warning);
     }
     if common.verbosity > 1 {
@@ -174,6 +178,11 @@ pub(crate) fn finish(
         reporter.warn(&warning);
         reporter.hint(&hint);
     }
+    let drawing = DrawingOptions { svg: *svg, render: *render, recipe: None };
+    if render.ink.is_some() || svg.form == SvgForm::Pattern {
+        // Faults that the exemplars show are reported before the synthesis.
+        libraries.iter().try_for_each(|library| drawing.check(&reconstruct(library)))?;
+    }
     for variant in 0..synthesis.variants {
         let (seed, targets, pattern) = synthesis.variant(variant);
         let parameters = SynthParams { seed, ..parameters.clone() };
@@ -185,7 +194,7 @@ pub(crate) fn finish(
         }
         let library = libraries.first();
         let recipe = recipe.map(|recipe| of_variant(recipe, variant));
-        let drawing = DrawingOptions { svg: svg.fit(libraries), render: *render, recipe: recipe.as_ref() };
+        let drawing = DrawingOptions { recipe: recipe.as_ref(), ..drawing };
         let exemplar = exemplar_of(libraries);
         let result = FinishedTexture { command, inputs: inputs.clone(), library, exemplar, scene, report };
         result.write(common, reporter, drawing, &targets, pattern.as_ref())?;

@@ -9,6 +9,7 @@ mod context;
 mod damaged;
 mod edit;
 mod files;
+mod fills;
 mod help;
 mod integrate;
 mod large;

@@ -216,6 +216,38 @@ fn a_limit_of_bytes_is_kept_and_what_it_cost_is_told() {
 }
 
 #[test]
+fn drawings_on_small_pages_have_two_decimals_in_every_command() {
+    let folder = Folder::new();
+    folder.write(
+        "small.svg",
+        r##"<svg xmlns="http://www.w3.org/2000/svg" width="24" height="24"><circle cx="5.13" cy="5" r="2.27" fill="#a03020"/><circle cx="16" cy="7.31" r="2.6"/><circle cx="9" cy="17" r="3.1"/><circle cx="19" cy="18" r="1.9"/></svg>"##,
+    );
+    folder.run("analyze small.svg --seed 1").succeeds();
+    folder.run("synth small.lib.json --size 60 --seed 3 -o a.svg -o a.scene.json").succeeds();
+    // A scene is written again as it was when it was made.
+    folder.run("render a.scene.json -o again.svg").succeeds();
+    assert_eq!(folder.read("again.svg"), folder.read("a.svg"));
+    for (i, command) in [
+        "edit a.scene.json --op flatten",
+        "warp a.scene.json small.lib.json --stretch 1.5x1 --seed 2",
+        "transfer --structure a.scene.json --appearance a.scene.json --seed 2",
+        "animate a.scene.json --flow shear --frames 3 --seed 2",
+        "animate a.scene.json a.scene.json --frames 3",
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let of = |precision: u8| {
+            let name = format!("{i}-{precision}.svg");
+            folder.run(&format!("{command} --precision {precision} -o {name}")).succeeds();
+            folder.read(&name)
+        };
+        let [none, one, two] = [0, 1, 2].map(of);
+        assert!(one == two && none != one, "{command}");
+    }
+}
+
+#[test]
 fn axes_may_follow_after_a_space() {
     let folder = Folder::with_library();
     for (arguments, x, y) in [

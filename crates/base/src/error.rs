@@ -143,6 +143,15 @@ pub enum Error {
     /// A pattern was asked for of a scene that does not tile along both axes.
     #[error("a pattern needs a texture that repeats along both axes")]
     Seams,
+    /// One ink was asked for of a scene that has several; what its elements have instead.
+    #[error("an ink replaces one colour, but the elements have {0}")]
+    Inks(String),
+    /// A transparent paper was asked for under shapes in its colour.
+    #[error("some shapes have the colour of the paper and hide others, so the paper cannot be transparent")]
+    Paper,
+    /// A tile for the fills of other programs was asked for of a scene that needs more than they read.
+    #[error("a tile for fills has no masks and clip paths, which {0} would need")]
+    Fill(FillFault),
     /// Two scenes cannot turn into one another.
     #[error("the scenes have different sizes, {}x{} and {}x{}", from[0], from[1], to[0], to[1])]
     Sizes {
@@ -249,6 +258,21 @@ pub enum Large {
     Drawing,
     /// The canvas of a texture.
     Canvas,
+}
+
+/// Content of a scene that fills of other programs do not read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum FillFault {
+    /// A background of several colours, which is masked.
+    #[error("a background of several colours")]
+    Background,
+    /// Soft shading, which is clipped by its element.
+    #[error("soft shading")]
+    Shading,
+    /// A shape that the texture fills, or a layer that covers a part of the canvas.
+    #[error("a part of the canvas")]
+    Shape,
 }
 
 /// A fault of an operation on a scene.
@@ -389,6 +413,11 @@ impl Error {
             Self::Network { advice, .. } if !advice.is_empty() => (*advice).into(),
             Self::Masks(_) => "masks must have the size of the image they belong to".into(),
             Self::Sizes { .. } => "make both of the same size, or stretch one".into(),
+            Self::Inks(_) => "tint the elements instead: that gives one colour to all".into(),
+            Self::Paper => "give the paper a colour".into(),
+            Self::Fill(FillFault::Background) => "use a background of one colour, or none".into(),
+            Self::Fill(FillFault::Shading) => "analyse the photograph with flat shading".into(),
+            Self::Fill(FillFault::Shape) => "fill the whole canvas".into(),
             Self::Seams => "synthesise it so that it repeats along both".into(),
             Self::MaxBytes { .. } => "allow more bytes, or make the texture smaller".into(),
             _ => return None,

@@ -1,7 +1,7 @@
 //! Elements as the optimiser knows them, and their samples.
 
 use vtex_base::geometry::plane::{PeriodicPlane, length};
-use vtex_base::geometry::{Interior, Outline, Rect, edges};
+use vtex_base::geometry::{Affine, Interior, Outline, Rect, edges};
 use vtex_base::sampling::stream;
 
 /// The shape of an element. Elements that are equal up to their place share one.
@@ -16,6 +16,12 @@ pub struct Figure {
 }
 
 impl Figure {
+    /// The figure with all lengths multiplied.
+    pub(crate) fn scaled(&self, by: f64) -> Self {
+        let map = Affine::scale(by);
+        Self { outlines: self.outlines.iter().map(|o| o.moved(map)).collect(), ..*self }
+    }
+
     /// Bounds of all that it paints, around its reference point.
     pub fn bounds(&self) -> Rect {
         self.outlines.iter().map(Outline::bounds).reduce(|a, b| a.union(b)).unwrap_or_default()
@@ -47,11 +53,7 @@ pub struct ClusterExemplar {
 impl ClusterExemplar {
     /// The exemplar with all lengths multiplied.
     pub(crate) fn scaled(&self, by: f64) -> Self {
-        let map = vtex_base::geometry::Affine::scale(by);
-        let figures = self
-            .figures
-            .iter()
-            .map(|f| Figure { outlines: f.outlines.iter().map(|o| o.moved(map)).collect(), ..*f });
+        let figures = self.figures.iter().map(|figure| figure.scaled(by));
         let places = self.places.iter().map(|p| FigurePlace { at: p.at.map(|v| v * by), ..*p });
         Self {
             page: PeriodicPlane { size: self.page.size.map(|v| v * by), ..self.page },

@@ -15,7 +15,7 @@ use crate::rebuild::{rebuilt, sampled};
 use crate::relations::PlaceRelations;
 use crate::search::search;
 use crate::shape_energy::ClusterWork;
-use crate::standing::{ClusterContext, StandingElements, recognised};
+use crate::standing::{ClusterContext, StandingElements, standing};
 use crate::votes::PairVotes;
 use std::collections::BTreeMap;
 use vtex_base::error::{Error, Large, Result};
@@ -161,8 +161,7 @@ fn arranged(
     }
     let unit = SIDE / (0.5 * (exemplar.page.size[0] + exemplar.page.size[1]));
     let mut own = exemplar.scaled(unit);
-    let drawn =
-        context.map(|context| recognised(&context.drawing.scaled(unit), &mut own, go_on)).transpose()?;
+    let drawn = context.map(|context| standing(context, unit, &mut own, go_on)).transpose()?;
     let extent = own.figures.iter().map(|f| {
         let b = f.bounds();
         [b.x0, b.y0, b.x1, b.y1].into_iter().fold(0.0, |m: f64, v| m.max(v.abs()))

@@ -29,8 +29,10 @@ const AT_ONCE: usize = 64;
 /// Elements that stand already on the canvas, and the region to be filled beside them.
 #[derive(Clone, Debug)]
 pub struct ClusterContext {
-    /// The elements that stand, on the canvas. Categories and the page do not count.
-    pub drawing: ClusterExemplar,
+    /// Figures that the exemplar does not have. Their categories do not count.
+    pub figures: Vec<Figure>,
+    /// The elements that stand, on the canvas. Their figures are numbered: those of the exemplar, then those above.
+    pub places: Vec<FigurePlace>,
     /// The region, on the canvas.
     pub region: Outline,
     /// A part of the exemplar of which a copy is laid in the region first, the middle of its bounds on that of the
@@ -49,37 +51,41 @@ pub(crate) struct StandingElement {
     pub(crate) at: [f64; 2],
 }
 
-/// The elements of a drawing, with figures of the exemplar, to which those are added that it does not have. Both have
-/// the lengths of the optimiser.
+/// The elements of a context, `unit` lengths of the optimiser to one of it. Its figures are added to those of the exemplar,
+/// which has the optimiser's lengths, except for those that look the same as one.
 ///
 /// # Errors
 /// Those of `go_on`.
-pub(crate) fn recognised(
-    drawing: &ClusterExemplar,
+pub(crate) fn standing(
+    context: &ClusterContext,
+    unit: f64,
     exemplar: &mut ClusterExemplar,
     go_on: &dyn Fn() -> Result<()>,
 ) -> Result<Vec<StandingElement>> {
-    let looks = parallel::map(&exemplar.figures, FigureLook::of);
-    let mut like = Vec::with_capacity(drawing.figures.len());
-    for some in drawing.figures.chunks(AT_ONCE) {
-        go_on()?;
-        like.extend(parallel::map(some, |figure| FigureLook::of(figure).most_like(&looks)));
-    }
-    let mut figures = Vec::with_capacity(like.len());
-    for (figure, &(like, unlike)) in drawing.figures.iter().zip(&like) {
-        if unlike <= ALIKE {
-            figures.push(like);
-            continue;
+    // The number of each figure, and of the exemplar's that is the most like it.
+    let mut numbers: Vec<[u32; 2]> = (0..exemplar.figures.len() as u32).map(|figure| [figure; 2]).collect();
+    if !context.figures.is_empty() {
+        let looks = parallel::map(&exemplar.figures, FigureLook::of);
+        for some in context.figures.chunks(AT_ONCE) {
+            go_on()?;
+            let some: Vec<Figure> = some.iter().map(|figure| figure.scaled(unit)).collect();
+            let like = parallel::map(&some, |figure| FigureLook::of(figure).most_like(&looks));
+            for (figure, (like, unlike)) in some.into_iter().zip(like) {
+                if unlike <= ALIKE {
+                    numbers.push([like; 2]);
+                    continue;
+                }
+                numbers.push([exemplar.figures.len() as u32, like]);
+                let category = exemplar.figures[like as usize].category;
+                exemplar.figures.push(Figure { category, ..figure });
+            }
         }
-        figures.push(exemplar.figures.len() as u32);
-        let category = exemplar.figures[like as usize].category;
-        exemplar.figures.push(Figure { category, ..figure.clone() });
     }
     let of = |place: &FigurePlace| {
-        let drawn = place.figure as usize;
-        StandingElement { figure: figures[drawn], like: like[drawn].0, at: place.at }
+        let [figure, like] = numbers[place.figure as usize];
+        StandingElement { figure, like, at: place.at.map(|v| v * unit) }
     };
-    Ok(drawing.places.iter().map(of).collect())
+    Ok(context.places.iter().map(of).collect())
 }
 
 /// What a figure is recognised by.

@@ -468,10 +468,13 @@ fn with_hole(exemplar: &ClusterExemplar) -> (ClusterContext, Vec<FigurePlace>) {
         |k: i32, p: &FigurePlace| [p.at[0] + 400.0 * f64::from(k % 3), p.at[1] + 400.0 * f64::from(k / 3)];
     let all = copies.map(|(k, p)| FigurePlace { at: at(k, p), ..*p });
     let (inside, outside) = all.partition(|p| interior.contains(Point::new(p.at[0], p.at[1])));
-    let page = PeriodicPlane { size: [1000.0; 2], wraps: [false; 2] };
-    let figures = exemplar.figures.iter().map(|f| Figure { category: 7, ..f.clone() }).collect();
-    let drawing = ClusterExemplar { page, figures, places: outside };
-    (ClusterContext { drawing, region, source: None }, inside)
+    // Every second element has a figure of the context that looks like the exemplar's.
+    let figures: Vec<Figure> = exemplar.figures.iter().map(|f| Figure { category: 7, ..f.clone() }).collect();
+    let own =
+        |(k, p): (usize, FigurePlace)| FigurePlace { figure: p.figure + (k % 2 * figures.len()) as u32, ..p };
+    let outside: Vec<FigurePlace> = outside;
+    let places = outside.into_iter().enumerate().map(own).collect();
+    (ClusterContext { figures, places, region, source: None }, inside)
 }
 
 /// Share of some elements that a result has at the same places.
@@ -507,9 +510,9 @@ fn a_hole_is_filled_so_that_it_fits() {
             let figure = exemplar.places[e.place].figure;
             let hidden = |p: &FigurePlace| {
                 let way = [p.at[0] - e.at[0], p.at[1] - e.at[1]];
-                relations.overlap(figure, p.figure, way)
+                relations.overlap(figure, p.figure % exemplar.figures.len() as u32, way)
             };
-            assert_eq!(context.drawing.places.iter().map(hidden).sum::<u32>(), 0, "{e:?}");
+            assert_eq!(context.places.iter().map(hidden).sum::<u32>(), 0, "{e:?}");
         }
     }
     // A part of the exemplar is laid there first, and fits.
@@ -527,9 +530,10 @@ fn figures_that_the_exemplar_does_not_have_are_kept_clear() {
         colour: [0.9, 0.1, 0.1],
         ..figure("M0 -60L20 -20L60 0L20 20L0 60L-20 20L-60 0L-20 -20Z", 0)
     };
-    context.drawing.figures.push(star.clone());
-    let (figure, at) = (context.drawing.figures.len() as u32 - 1, [500.0, 500.0]);
-    context.drawing.places.push(FigurePlace { figure, at, placeable: true });
+    context.figures.push(star.clone());
+    let figure = (exemplar.figures.len() + context.figures.len()) as u32 - 1;
+    let at = [500.0, 500.0];
+    context.places.push(FigurePlace { figure, at, placeable: true });
     let on = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let asked = params(1000.0, false);

@@ -4,7 +4,8 @@
 //! ([`seal`](super::seal)). While a file is written it has a temporary name and is locked. A temporary file
 //! that nobody has locked was left by a killed process; the next write to the folder removes it.
 
-use super::seal::{self, PAGE_BEGINNING, Sealed};
+use super::formats::{FileKind, signatures};
+use super::seal::{self, Sealed};
 use flate2::write::GzEncoder;
 use flate2::{Compression, GzBuilder};
 use std::collections::BTreeSet;
@@ -16,53 +17,31 @@ use tempfile::NamedTempFile;
 use vtex_base::error::{Error, Result};
 use vtex_base::gzip;
 
-/// The content of a file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Format {
-    /// `.svg`, `.svgz`.
-    Svg,
-    /// `.pdf`.
-    Pdf,
-    /// `.png`.
-    Png,
-    /// `.scene.json`, `.scene.json.gz`.
-    Scene,
-    /// `.lib.json`, `.lib.json.gz`.
-    Library,
-}
-
-/// The content of a file, and whether it is packed as gzip.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct FileKind {
-    /// The content.
-    pub format: Format,
-    /// Whether the content is packed.
-    pub gzip: bool,
-}
-
-impl FileKind {
-    /// The kind that a file name stands for, whatever its case; `None` for any other name.
-    pub fn from_path(path: &Path) -> Option<Self> {
-        const ENDINGS: [(&str, Format, bool); 8] = [
-            (".svg", Format::Svg, false),
-            (".svgz", Format::Svg, true),
-            (".pdf", Format::Pdf, false),
-            (".png", Format::Png, false),
-            (".scene.json", Format::Scene, false),
-            (".scene.json.gz", Format::Scene, true),
-            (".lib.json", Format::Library, false),
-            (".lib.json.gz", Format::Library, true),
-        ];
-        let name = path.file_name()?.to_string_lossy().to_ascii_lowercase();
-        let (_, format, gzip) = ENDINGS.into_iter().find(|(ending, ..)| name.ends_with(ending))?;
-        Some(Self { format, gzip })
-    }
-}
-
 /// Packs output as gzip, always to the same bytes: without time and name. Call [`GzEncoder::finish`] at the
 /// end.
 pub fn gzip<W: Write>(out: W) -> GzEncoder<W> {
     GzBuilder::new().mtime(0).write(out, Compression::best())
+}
+
+impl FileKind {
+    /// Passes a writer to `content`, one that packs if files of this kind are packed. Packed content is sealed here, other
+    /// content by the file that it is written to.
+    ///
+    /// # Errors
+    /// Those of `content` and of writing.
+    pub fn pack<T>(
+        self,
+        out: &mut dyn Write,
+        content: impl FnOnce(&mut dyn Write) -> io::Result<T>,
+    ) -> io::Result<T> {
+        if !self.gzip {
+            return content(out);
+        }
+        let mut packed = Sealed::new(gzip(out));
+        let value = content(&mut packed)?;
+        packed.finish()?.finish()?;
+        Ok(value)
+    }
 }
 
 /// Writes a file as a whole or not at all: `content` writes to a temporary file in the same
@@ -242,61 +221,27 @@ fn existing_file(path: &Path) -> Result<ExistingFile> {
     }
 }
 
-/// Whether a file begins as vtex begins it: as an SVG or a page of vtex, a JSON document whose first
-/// field is `"format": "vtex-…"`, one of these packed, or a PNG, GIF or PDF whose text chunk, comment or
-/// information names vtex.
+/// Whether vtex wrote a file, even if somebody has changed it since.
 fn begins_as_own(path: &Path) -> Result<bool> {
     const HEAD: usize = 4096;
+    let fail = |e| Error::read(path, e);
+    let mut file = &File::open(path).map_err(fail)?;
     let mut start = Vec::new();
-    let file = File::open(path).map_err(|e| Error::read(path, e))?;
-    (&file).take(HEAD as u64).read_to_end(&mut start).map_err(|e| Error::read(path, e))?;
-    if start.starts_with(b"%PDF-") {
-        let mut whole = start;
-        (&file).read_to_end(&mut whole).map_err(|e| Error::read(path, e))?;
-        return Ok(whole.windows(16).any(|w| w == b"/Producer (vtex "));
-    }
-    if start.starts_with(b"GIF89a") {
-        return Ok(is_own_gif(&start));
-    }
+    file.take(HEAD as u64).read_to_end(&mut start).map_err(fail)?;
     // The data may be cut off; only the beginning matters.
     let start = gzip::beginning(&start, HEAD);
-    let begins = |text: &str| start.starts_with(text.as_bytes());
-    Ok(begins(super::svg::BEGINNING)
-        || begins(PAGE_BEGINNING)
-        || is_own_document(&start)
-        || is_own_png(&start))
-}
-
-/// Whether the first field of a JSON document is `"format": "vtex-…"`.
-fn is_own_document(start: &[u8]) -> bool {
-    let mut rest = start.iter().filter(|b| !b.is_ascii_whitespace());
-    b"{\"format\":\"vtex-".iter().all(|expected| rest.next() == Some(expected))
-}
-
-/// Whether a text chunk of a PNG names vtex.
-fn is_own_png(start: &[u8]) -> bool {
-    let Some(mut rest) = start.strip_prefix(b"\x89PNG\r\n\x1a\n") else { return false };
-    // Length, type, data, checksum.
-    while let Some((head, after)) = rest.split_at_checked(8) {
-        let length = u32::from_be_bytes([head[0], head[1], head[2], head[3]]) as usize;
-        if &head[4..] == b"tEXt" && after.starts_with(b"Software\0vtex ") {
-            return true;
+    for signature in signatures() {
+        if (signature.is_own)(&start, &mut file).map_err(fail)? {
+            return Ok(true);
         }
-        let Some(next) = length.checked_add(4).and_then(|n| after.get(n..)) else { return false };
-        rest = next;
     }
-    false
-}
-
-/// Whether a comment of a GIF names vtex.
-fn is_own_gif(start: &[u8]) -> bool {
-    start.windows(8).any(|w| w[..2] == [0x21, 0xfe] && w[3..] == *b"vtex ")
+    Ok(false)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{pdf, png, svg, testing};
+    use crate::{png, svg, testing};
 
     fn put(path: &Path, force: bool, text: &str) -> Result<()> {
         write_file(path, force, |w| w.write_all(text.as_bytes())).map(drop)
@@ -314,19 +259,6 @@ mod tests {
         let mut names: Vec<_> = entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
         names.sort();
         names
-    }
-
-    #[test]
-    fn kinds_by_name() {
-        let kind = |name: &str| FileKind::from_path(Path::new(name)).map(|k| (k.format, k.gzip));
-        assert_eq!(kind("a/b.svg"), Some((Format::Svg, false)));
-        assert_eq!(kind("b.SVGZ"), Some((Format::Svg, true)));
-        assert_eq!(kind("b.png"), Some((Format::Png, false)));
-        assert_eq!(kind("b.scene.json"), Some((Format::Scene, false)));
-        assert_eq!(kind("b.lib.json.gz"), Some((Format::Library, true)));
-        for other in ["b.json", "svg", "b.svg.gz", "", "-", "b.svg/.."] {
-            assert_eq!(kind(other), None, "{other}");
-        }
     }
 
     #[test]
@@ -361,10 +293,7 @@ mod tests {
         };
         let mut picture = Vec::new();
         png::encode(&png::render(&scene, 1.0).unwrap(), None, None, &mut picture).unwrap();
-        let mut page = Vec::new();
-        pdf::write(&scene, &mut page).unwrap();
-        let web = format!("{PAGE_BEGINNING}0.1.0 -->\n<html/>").into_bytes();
-        let unsealed = [web, page, drawn.clone(), picture.clone(), scene.to_json()];
+        let unsealed = testing::files(&scene);
         let own = unsealed.iter().map(|content| seal(content));
         let own = own.chain([pack(&seal(&drawn)), pack(&seal(&scene.to_json()))]);
         for (i, content) in own.enumerate() {

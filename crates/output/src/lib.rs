@@ -3,7 +3,8 @@
 //! All writers take one finished type, [`vtex_scene::scene::Scene`], and know nothing of how it was made.
 //! [`svg`] and [`pdf`] write it as pure vectors, [`png`] draws it directly at any scale, [`raster_animation`]
 //! writes animated GIFs and PNGs, [`raster_svg`] draws any SVG, [`reduce`] reduces a scene to a number of
-//! bytes, [`file`] replaces files safely.
+//! bytes, [`file`] replaces files safely. [`formats`] is the table of all formats, and [`writing`] writes a scene in
+//! any of them.
 //!
 //! A writer does not know the path that it writes to. It fails with [`std::io::Error`]; [`Error::write`] adds the
 //! path, and gives back an error of vtex that the writer passed on.
@@ -12,6 +13,7 @@ mod background;
 mod categories;
 mod coverage;
 pub mod file;
+pub mod formats;
 pub mod layer_map;
 pub mod pdf;
 pub mod png;
@@ -27,6 +29,7 @@ mod shadow;
 pub mod svg;
 #[cfg(test)]
 mod testing;
+pub mod writing;
 
 pub use categories::{SceneCategory, categories};
 pub use coverage::{coverage, inside};

@@ -5,80 +5,24 @@
 //! and GIF, in a text chunk in PNG, in the last field of a JSON document. In a packed file the content is
 //! sealed; gzip has a checksum of its own.
 
-use flate2::Crc;
+use super::formats::{Signature, signatures};
 use flate2::bufread::GzDecoder;
 use sha2::{Digest, Sha256};
 use std::io::{self, BufRead, BufReader, Read, Write};
 use vtex_base::gzip;
 
-/// How every page of vtex begins, its version next.
-pub const PAGE_BEGINNING: &str = "<!DOCTYPE html>\n<!-- Written by vtex ";
-/// How every JSON document of vtex begins.
-const DOCUMENT_BEGINNING: &str = "{\"format\":\"vtex-";
 /// Bytes by which a format is recognised; none of the beginnings is longer.
 const HEAD: usize = 64;
-/// The end of every PNG: an empty chunk.
-const PNG_END: &[u8] = b"\0\0\0\0IEND\xaeB`\x82";
 
-/// The place of a seal, by file format.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum SealPlace {
-    /// SVG and HTML.
-    Markup,
-    Pdf,
-    Png,
-    Gif,
-    /// A JSON document of vtex.
-    Document,
-}
-
-impl SealPlace {
+impl Signature {
     /// Recognises a format by the first [`HEAD`] bytes, or by all if there are fewer.
-    fn of(head: &[u8]) -> Option<Self> {
-        let begins = |how: &[u8]| head.starts_with(how);
-        if begins(super::svg::BEGINNING.as_bytes()) || begins(PAGE_BEGINNING.as_bytes()) {
-            Some(Self::Markup)
-        } else if begins(b"%PDF-") {
-            Some(Self::Pdf)
-        } else if begins(b"\x89PNG\r\n\x1a\n") {
-            Some(Self::Png)
-        } else if begins(b"GIF89a") {
-            Some(Self::Gif)
-        } else if begins(DOCUMENT_BEGINNING.as_bytes()) {
-            Some(Self::Document)
-        } else {
-            None
-        }
-    }
-
-    /// The last bytes of a file, which follow the seal.
-    fn end(self) -> &'static [u8] {
-        match self {
-            Self::Markup => b"",
-            Self::Pdf => b"%%EOF",
-            Self::Png => PNG_END,
-            Self::Gif => b"\x3b",
-            Self::Document => b"}\n",
-        }
+    fn of(head: &[u8]) -> Option<&'static Self> {
+        signatures().find(|signature| head.starts_with(signature.beginning))
     }
 
     /// The seal and the last bytes of a file; `sum` is that of the bytes before them.
-    fn tail(self, sum: &str) -> Vec<u8> {
-        let mut tail = match self {
-            Self::Markup => format!("<!-- sha256 {sum} -->\n").into_bytes(),
-            Self::Pdf => format!("% sha256 {sum}\n").into_bytes(),
-            Self::Png => {
-                let content = [b"tEXtSHA-256\0", sum.as_bytes()].concat();
-                let mut crc = Crc::new();
-                crc.update(&content);
-                let length = (content.len() - 4) as u32;
-                [&length.to_be_bytes()[..], &content, &crc.sum().to_be_bytes()].concat()
-            }
-            Self::Gif => [&[0x21, 0xfe, sum.len() as u8], sum.as_bytes(), &[0]].concat(),
-            Self::Document => format!(",\"sha256\":\"{sum}\"").into_bytes(),
-        };
-        tail.extend(self.end());
-        tail
+    fn tail(&self, sum: &str) -> Vec<u8> {
+        [&(self.seal)(sum), self.end].concat()
     }
 }
 
@@ -117,7 +61,7 @@ pub struct Sealed<W> {
     out: W,
     head: Vec<u8>,
     /// The format, once enough bytes were written; `Some(None)` if it is unknown.
-    format: Option<Option<SealPlace>>,
+    format: Option<Option<&'static Signature>>,
     content: AllBut,
 }
 
@@ -135,7 +79,7 @@ impl<W: Write> Sealed<W> {
         self.begin()?;
         let Self { mut out, format, content, .. } = self;
         match format.flatten() {
-            Some(format) if content.held == format.end() => {
+            Some(format) if content.held == format.end => {
                 out.write_all(&format.tail(&hexadecimal(content.hash)))?;
             }
             _ => out.write_all(&content.held)?,
@@ -148,9 +92,9 @@ impl<W: Write> Sealed<W> {
         if self.format.is_some() {
             return Ok(());
         }
-        let format = SealPlace::of(&self.head);
+        let format = Signature::of(&self.head);
         self.format = Some(format);
-        self.content = AllBut::new(format.map_or(0, |f| f.end().len()));
+        self.content = AllBut::new(format.map_or(0, |f| f.end.len()));
         let head = std::mem::take(&mut self.head);
         self.content.push(&head, |part| self.out.write_all(part))
     }
@@ -197,7 +141,7 @@ pub(super) fn is_whole(mut file: impl Read) -> io::Result<bool> {
 fn whole(mut file: impl Read) -> io::Result<bool> {
     let mut head = Vec::new();
     file.by_ref().take(HEAD as u64).read_to_end(&mut head)?;
-    let Some(format) = SealPlace::of(&head) else { return Ok(false) };
+    let Some(format) = Signature::of(&head) else { return Ok(false) };
     let empty = "0".repeat(2 * Sha256::output_size());
     let mut content = AllBut::new(format.tail(&empty).len());
     content.push(&head, |_| Ok(()))?;
@@ -213,18 +157,18 @@ fn whole(mut file: impl Read) -> io::Result<bool> {
 
 /// The bytes of a sealed file as they were before it was sealed; `None` if it is not sealed or has been changed.
 pub fn without_seal(sealed: &[u8]) -> Option<Vec<u8>> {
-    let format = SealPlace::of(&sealed[..sealed.len().min(HEAD)])?;
+    let format = Signature::of(&sealed[..sealed.len().min(HEAD)])?;
     let empty = "0".repeat(2 * Sha256::output_size());
     let (content, tail) = sealed.split_at_checked(sealed.len().checked_sub(format.tail(&empty).len())?)?;
     let whole = format.tail(&hexadecimal(Sha256::new_with_prefix(content))) == tail;
-    whole.then(|| [content, format.end()].concat())
+    whole.then(|| [content, format.end].concat())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::file::gzip;
-    use crate::{pdf, png, svg, testing};
+    use crate::testing;
 
     fn seal(bytes: &[u8], step: usize) -> Vec<u8> {
         let mut out = Sealed::new(Vec::new());
@@ -232,20 +176,9 @@ mod tests {
         out.finish().unwrap()
     }
 
-    /// A file of each format.
-    fn files() -> Vec<Vec<u8>> {
-        let scene = testing::scene(40, 40, 1);
-        let (mut drawn, mut sheet, mut picture) = (Vec::new(), Vec::new(), Vec::new());
-        svg::write(&scene, &svg::SvgOptions::default(), &mut drawn).unwrap();
-        pdf::write(&scene, &mut sheet).unwrap();
-        png::encode(&png::render(&scene, 1.0).unwrap(), None, None, &mut picture).unwrap();
-        let page = format!("{PAGE_BEGINNING}0.1.0 -->\n<html></html>\n").into_bytes();
-        vec![drawn, sheet, picture, page, scene.to_json(), b"GIF89a\x01\0\x01\0\0\0\0\x3b".to_vec()]
-    }
-
     #[test]
     fn any_change_breaks_the_seal() {
-        for file in files() {
+        for file in testing::files(&testing::scene(40, 40, 1)) {
             let sealed = seal(&file, 7);
             assert_eq!(sealed, seal(&file, 100_000), "it does not matter how it is written");
             assert!(is_whole(&sealed[..]).unwrap() && !is_whole(&file[..]).unwrap());
@@ -261,6 +194,14 @@ mod tests {
             }
             let (shorter, longer) = (&sealed[..sealed.len() - 1], [&sealed[..], b"\n"].concat());
             assert!(!is_whole(shorter).unwrap() && !is_whole(&longer[..]).unwrap());
+        }
+    }
+
+    #[test]
+    fn a_format_is_recognised_by_few_bytes() {
+        for signature in signatures() {
+            assert!((1..=HEAD).contains(&signature.beginning.len()));
+            assert!(std::ptr::eq(Signature::of(signature.beginning).unwrap().end, signature.end));
         }
     }
 

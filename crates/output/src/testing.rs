@@ -1,5 +1,7 @@
 //! Scenes made by hand, for the tests of the writers.
 
+use crate::formats::{FileKind, PAGE_BEGINNING, WriteOptions};
+use crate::writing::PreparedFile;
 use vtex_base::geometry::{Affine, BezPath, Curve, Outline, Point, parse_path};
 use vtex_base::raster::colour::Colour;
 use vtex_base::sampling::{Area, Stream, poisson_disk, stream};
@@ -136,6 +138,7 @@ pub(super) fn scene(width: u32, height: u32, seed: u64) -> Scene {
         parameters: Some(SynthParams { width, height, seed, ..SynthParams::default() }),
         program: "vtex test".into(),
         libraries: vec![LibraryRef {
+            fine: false,
             exemplar: "stones & <chips>.jpg".into(),
             sha256: "0".repeat(64),
             categories: Vec::new(),
@@ -282,5 +285,42 @@ pub(super) fn drawn(mut scene: Scene) -> Scene {
         instances,
         ..Layer::new(Role::Primary)
     });
+    scene
+}
+
+/// A file of each format of scenes, not packed, and a page and a GIF, not sealed.
+pub(super) fn files(scene: &Scene) -> Vec<Vec<u8>> {
+    let kinds = FileKind::all().filter(|kind| kind.format.is_of_scene() && !kind.gzip);
+    let mut files: Vec<Vec<u8>> = kinds
+        .map(|kind| {
+            let mut out = Vec::new();
+            let file = PreparedFile::new(kind, scene, WriteOptions::default(), &()).unwrap();
+            file.write(&(), &mut out).unwrap();
+            out
+        })
+        .collect();
+    files.push(format!("{PAGE_BEGINNING}0.1.0 -->\n<html></html>\n").into_bytes());
+    files.push(b"GIF89a\x01\0\x01\0\0\0\0\x21\xfe\x0avtex 0.1.0\0\x3b".to_vec());
+    files
+}
+
+/// The scene with all that shows in black on white, some elements in white; without gradients, shadows, soft shading and
+/// regions.
+pub(super) fn printed(mut scene: Scene) -> Scene {
+    let [black, white] = [Colour([0; 3]), Colour([255; 3])];
+    for element in &mut scene.elements {
+        element.shapes.retain(|shape| !shape.is_soft());
+        for shape in &mut element.shapes {
+            shape.gradient = None;
+            *shape = shape.recoloured(|_| black);
+        }
+    }
+    for (k, instance) in scene.instances_mut().enumerate() {
+        instance.colour = (k % 5 == 0).then_some(white);
+        instance.stroke = (k % 3 == 0).then_some(Stroke { width: 1.5, colour: black });
+        instance.shadow = None;
+    }
+    scene.layers.iter_mut().for_each(|layer| (layer.region, layer.field) = (None, None));
+    scene.layers[0].field = Some(testing::flat(white));
     scene
 }

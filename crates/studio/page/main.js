@@ -8,19 +8,13 @@ import { Change } from "./change.js";
 import { Mend } from "./mend.js";
 import { Paint } from "./paint.js";
 
-const FORMATS = [
-  ["svg", "SVG", "Vectors, in groups by layer and category"],
-  ["pdf", "PDF", "One page of vectors"],
-  ["png", "PNG", "Pixels, at a scale"],
-  ["scene", "Scene", "One finished texture as data"],
-  ["library", "Library", "All elements found, for new textures"],
-];
-
 let state = { open: [] };
 let format = "svg", scale = "1", resultFile = "texture.svg";
 const shown = { photograph: "", redrawn: "", texture: "", elements: "" };
 
 const table = await askJson("table");
+/** The chosen format, as the table has it. */
+const chosen = () => table.formats.find(({ name }) => name === format);
 const view = new View(find("canvas"), {
   onsharper: () => loadTexture(),
   onzoom: zoom => { find("zoom-one").textContent = `${Math.round(zoom * 100)} %`; },
@@ -90,7 +84,8 @@ function showProgress() {
   find("cancel").hidden = !state.busy;
   find("resume").hidden = !state.rests;
   find("progress").hidden = !state.busy;
-  find("save-now").disabled = !state.work || Boolean(state.fault);
+  find("save-now").disabled = !ready() && !state.busy;
+  if (state.rests || state.fault) savesWhenReady = false;
   if (savesWhenReady && ready()) save();
   const stage = find("stage");
   const isDrawn = document.body.dataset.drawn === textureKey();
@@ -208,7 +203,7 @@ function loadTexture() {
 function showSave(work) {
   const panel = find("save");
   if (!panel.firstChild) {
-    const formats = FORMATS.map(([value, title, words]) => {
+    const formats = table.formats.map(({ name: value, title, words }) => {
       const input = make("input", { type: "radio", name: "format", value, checked: value === format });
       input.addEventListener("change", () => { format = value; showSave(state.work); showCommand(); });
       return make("label", {}, input, make("span", { textContent: title }, make("small", { textContent: words })));
@@ -223,12 +218,12 @@ function showSave(work) {
       make("h2", { textContent: "Saved settings" }), make("p", { id: "kept" }),
       make("div", { className: "row" }, make("button", { type: "button", textContent: "Start over", title: "Remove all settings and changes; undo brings them back", onclick: () => tell("anew") })));
   }
-  find("save-now").textContent = `Save ${FORMATS.find(([value]) => value === format)[1]}`;
-  find("scale-row").hidden = format !== "png";
+  find("save-now").textContent = `Save ${chosen().title}`;
+  find("scale-row").hidden = !chosen().scaled;
   const possible = value => value === "library" ? Boolean(work.analysis) && work.kind !== "library" : true;
   for (const input of document.getElementsByName("format")) input.disabled = !possible(input.value);
   if (!possible(format)) { format = "svg"; document.querySelector("[name=format][value=svg]").checked = true; }
-  find("save-file").disabled = Boolean(state.fault);
+  find("save-file").disabled = !ready() && !state.busy;
   find("kept").textContent = work.notKept ?? `Settings are stored in ${work.keptIn}${work.mended ? ` and ${work.mended}` : ""}. To continue later, open ${work.name} again.`;
 }
 
@@ -243,7 +238,7 @@ let weighing = null, weighed = "";
 const showWeight = settled(async () => {
   const place = find("weight");
   if (!place || find("save").hidden || !ready()) return;
-  const parameters = { format, scale: format === "png" ? scale : "" };
+  const parameters = { format, scale: chosen().scaled ? scale : "" };
   const key = JSON.stringify([textureKey(), state.version, parameters]);
   if (weighed === key) return;
   weighed = key;
@@ -253,8 +248,8 @@ const showWeight = settled(async () => {
   place.textContent = "Measuring the file…";
   try {
     const { bytes, size } = await (await ask("weigh", parameters, weighing.signal)).json();
-    const pixels = format === "png" ? `${size[0]} × ${size[1]} px` : "";
-    const heavy = bytes > HEAVY && format !== "png";
+    const pixels = chosen().scaled ? `${size[0]} × ${size[1]} px` : "";
+    const heavy = bytes > HEAVY && !chosen().scaled;
     place.className = heavy ? "heavy" : "";
     place.textContent = [pixels, bytes === null ? "" : readable(bytes)].filter(Boolean).join(", ") + (heavy ? `. ${LIGHTER}` : "");
   } catch (error) {
@@ -269,7 +264,7 @@ const showCommand = settled(async () => {
   if (!state.work) return;
   showWeight();
   try {
-    const { lines, file } = await askJson("commands", { format, scale: format === "png" ? scale : "" });
+    const { lines, file } = await askJson("commands", { format, scale: chosen().scaled ? scale : "" });
     find("lines").textContent = lines.join("\n");
     resultFile = file ?? resultFile;
     const button = find("save-file");
@@ -284,7 +279,7 @@ async function save() {
   savesWhenReady = !ready();
   if (savesWhenReady) return;
   try {
-    const response = await ask("save", { format, scale: format === "png" ? scale : "" });
+    const response = await ask("save", { format, scale: chosen().scaled ? scale : "" });
     const address = URL.createObjectURL(await response.blob());
     make("a", { href: address, download: resultFile }).click();
     setTimeout(() => URL.revokeObjectURL(address), 60_000);

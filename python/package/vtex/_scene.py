@@ -36,13 +36,15 @@ class Scene(Document[_vtex.Scene]):
         css: bool = False,
         max_bytes: int | None = None,
         background: str | None = None,
+        ink: str | None = None,
+        pattern: bool = False,
     ) -> str:
         """Return the scene as SVG.
 
         Parameters
         ----------
         precision : int, default 1
-            Number of decimals, 0 to 6.
+            Number of decimals, 0 to 6. Drawings on a small page have 2 instead of 1.
         expand : bool, default False
             Whether to write every element in full, not as ``<symbol>`` and ``<use>``.
         css : bool, default False
@@ -53,6 +55,12 @@ class Scene(Document[_vtex.Scene]):
         background : str, optional
             Background of one colour in place of the exemplar's: ``"#rrggbb"``, ``"#rgb"`` or a CSS colour name.
             ``"none"`` = transparent between the elements. Default: the background of the exemplar.
+        ink : str, optional
+            Colour of all elements, for a scene whose elements have one colour: ``"#rrggbb"``, ``"#rgb"`` or a CSS
+            colour name. Shapes in the colour of the background follow `background`. Default: the exemplar's colour.
+        pattern : bool, default False
+            Whether to write a tile for the fills of maps, layouts and web pages: plain shapes, also as a ``<pattern>``.
+            The scene must repeat along both axes, have a background of one colour or none, and no soft shading.
 
         Returns
         -------
@@ -62,27 +70,38 @@ class Scene(Document[_vtex.Scene]):
         Raises
         ------
         InputError
-            If a parameter is out of range, or vtex cannot make the text as small as `max_bytes`.
+            If a parameter is out of range, vtex cannot make the text as small as `max_bytes`, or the scene does not
+            suit `ink` or `pattern`.
         """
-        options = _showing.options(precision, expand, css, max_bytes, 1.0, background)
+        options = _showing.options(precision, expand, css, max_bytes, 1.0, background, ink, pattern)
         return self._core.encode(".svg", options).decode()
 
-    def pdf(self, *, background: str | None = None) -> bytes:
+    def pdf(self, *, max_bytes: int | None = None, background: str | None = None, ink: str | None = None) -> bytes:
         """Return the scene as PDF, with the size of its `page`, or else 96 pixels per inch.
 
         Parameters
         ----------
+        max_bytes : int, optional
+            See `svg`.
         background : str, optional
+            See `svg`.
+        ink : str, optional
             See `svg`.
 
         Returns
         -------
         bytes
             The content of a ``.pdf``.
-        """
-        return self._core.encode(".pdf", _showing.options(background=background))
 
-    def png(self, *, scale: float = 1.0, background: str | None = None) -> bytes:
+        Raises
+        ------
+        InputError
+            If a parameter is out of range, or vtex cannot make the file as small as `max_bytes`.
+        """
+        options = _showing.options(max_bytes=max_bytes, background=background, ink=ink)
+        return self._core.encode(".pdf", options)
+
+    def png(self, *, scale: float = 1.0, background: str | None = None, ink: str | None = None) -> bytes:
         """Return the scene as PNG. Transparent areas remain transparent.
 
         Parameters
@@ -91,16 +110,18 @@ class Scene(Document[_vtex.Scene]):
             Pixels of the picture for each pixel of the canvas, or of a page in pixels, 0.01 to 100.
         background : str, optional
             See `svg`.
+        ink : str, optional
+            See `svg`.
 
         Returns
         -------
         bytes
             The content of a ``.png``.
         """
-        return self._core.encode(".png", _showing.options(scale=scale, background=background))
+        return self._core.encode(".png", _showing.options(scale=scale, background=background, ink=ink))
 
     def render(
-        self, *, scale: float = 1.0, background: str | None = None, alpha: bool = False
+        self, *, scale: float = 1.0, background: str | None = None, alpha: bool = False, ink: str | None = None
     ) -> npt.NDArray[np.uint8]:
         """Draw the scene as an array of pixels.
 
@@ -112,6 +133,8 @@ class Scene(Document[_vtex.Scene]):
             See `svg`.
         alpha : bool, default False
             Whether to return the opacity too. If False, transparent areas are white.
+        ink : str, optional
+            See `svg`.
 
         Returns
         -------
@@ -124,7 +147,7 @@ class Scene(Document[_vtex.Scene]):
         InputError
             If the scale is out of range, or the picture would have more than 2**30 pixels.
         """
-        return self._core.render(_showing.options(scale=scale, background=background), alpha)
+        return self._core.render(_showing.options(scale=scale, background=background, ink=ink), alpha)
 
     def save(
         self,
@@ -137,14 +160,16 @@ class Scene(Document[_vtex.Scene]):
         scale: float = 1.0,
         background: str | None = None,
         force: bool = False,
+        ink: str | None = None,
+        pattern: bool = False,
     ) -> int:
         """Write the scene to a file, complete or not at all.
 
         Parameters
         ----------
         path : str or os.PathLike
-            Name of the file. Its ending sets the format: ``.svg``, ``.svgz``, ``.pdf``, ``.png``, ``.scene.json`` or
-            ``.scene.json.gz``.
+            Name of the file. Its ending sets the format, such as ``.svg``, ``.svgz``, ``.pdf``, ``.png``,
+            ``.scene.json`` or ``.scene.json.gz``.
         precision : int, default 1
             See `svg`. For SVG only.
         expand : bool, default False
@@ -159,6 +184,10 @@ class Scene(Document[_vtex.Scene]):
             See `svg`.
         force : bool, default False
             Whether to replace a file that vtex did not write, or that was changed after vtex wrote it.
+        ink : str, optional
+            See `svg`.
+        pattern : bool, default False
+            See `svg`. For SVG only.
 
         Returns
         -------
@@ -170,9 +199,9 @@ class Scene(Document[_vtex.Scene]):
         FileError
             If vtex cannot write the file, or may not replace it (see `force`).
         InputError
-            If the name has another ending, or a parameter is out of range.
+            If the name has another ending, a parameter is out of range, or the scene does not suit `ink` or `pattern`.
         """
-        options = _showing.options(precision, expand, css, max_bytes, scale, background)
+        options = _showing.options(precision, expand, css, max_bytes, scale, background, ink, pattern)
         return self._core.save(_inputs.path_of(path), options, force)
 
     def edit(self, *edits: Edit | Iterable[Edit], seed: int | None = None) -> Scene:

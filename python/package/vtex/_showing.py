@@ -22,6 +22,8 @@ def options(
     max_bytes: int | None = None,
     scale: float = 1.0,
     background: str | None = None,
+    ink: str | None = None,
+    pattern: bool = False,
 ) -> str:
     """Return the options for writing and drawing, as JSON for the compiled half."""
     return _inputs.to_json(
@@ -32,6 +34,8 @@ def options(
             "max_bytes": None if max_bytes is None else _inputs.whole("max_bytes", max_bytes, 1, 10**12),
             "scale": _inputs.number("scale", scale, 0.01, 100),
             "background": background,
+            "ink": ink,
+            "pattern": bool(pattern),
         }
     )
 

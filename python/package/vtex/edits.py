@@ -21,8 +21,8 @@ from __future__ import annotations
 import inspect
 import itertools
 import os
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, fields
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import Field, dataclass, fields
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypeAlias, TypeGuard, Union
 
 import numpy as np
@@ -76,6 +76,33 @@ def _colour(value: object, role: str) -> str:
     return "#{:02x}{:02x}{:02x}".format(*parts)
 
 
+def _colour_or_picture(value: Any, role: str, files: _Files) -> str:
+    is_path = isinstance(value, str) and _vtex.colour(value) is None and _inputs.names_file(value)
+    if is_path or not isinstance(value, (str, tuple, list)):
+        return files.add(value, role)
+    return _colour(value, role)
+
+
+#: How a value is read, by the declared type of its field. The program checks ranges.
+_READERS: dict[str, Callable[[Any, str, _Files], Any]] = {
+    "bool": lambda value, role, files: bool(value),
+    "int": lambda value, role, files: _inputs.whole(role, value, 0, 2**32 - 1),
+    "Colour": lambda value, role, files: _colour(value, role),
+    "Colour | _inputs.Picture": _colour_or_picture,
+    "_inputs.Picture": lambda value, role, files: files.add(value, role),
+    "float | _inputs.Picture": lambda value, role, files: files.number(value, role),
+}
+
+
+def _read(value: Any, field: Field[Any], files: _Files) -> Any:
+    declared = str(field.type)
+    kind = declared.removesuffix(" | None")
+    if value is None and kind != declared:
+        return None
+    reader = _READERS.get(kind)
+    return value if reader is None else reader(value, field.name, files)
+
+
 _SHARED = """layer : str, optional
     Change only the elements of this layer, by its name or role. Default: the elements of all layers.
 where : str or sequence of str, default ()
@@ -103,8 +130,9 @@ class Edit(metaclass=_spelling.Spelled):
     _word: ClassVar[str] = ""
 
     def _action(self, files: _Files) -> dict[str, Any]:
-        """Return the fields of the operation, and add its files to `files`."""
-        return {}
+        """Return the fields of the operation, each read by its declared type, and add its files to `files`."""
+        own = [field for field in fields(self) if field.name not in ("layer", "where")]
+        return {field.name.rstrip("_"): _read(getattr(self, field.name), field, files) for field in own}
 
     def _asked(self, files: _Files) -> dict[str, Any]:
         if not self._word:
@@ -167,9 +195,6 @@ class Thin(Edit):
 
     _word: ClassVar[str] = "thin"
 
-    def _action(self, files: _Files) -> dict[str, Any]:
-        return {"keep": self.keep, "order": self.order, "minimum_area": self.minimum_area}
-
 
 @dataclass(frozen=True, eq=False)
 class Density(Edit):
@@ -184,9 +209,6 @@ class Density(Edit):
     map: _inputs.Picture
 
     _word: ClassVar[str] = "density"
-
-    def _action(self, files: _Files) -> dict[str, Any]:
-        return {"map": files.add(self.map, "map")}
 
 
 @dataclass(frozen=True, eq=False)
@@ -208,8 +230,9 @@ class Orient(Edit):
     _word: ClassVar[str] = "orient"
 
     def _action(self, files: _Files) -> dict[str, Any]:
-        direction = files.number(self.direction, "direction")
-        return {"direction": {"map" if isinstance(direction, str) else "angle": direction}, "strength": self.strength}
+        action = super()._action(files)
+        direction = action["direction"]
+        return {**action, "direction": {"map" if isinstance(direction, str) else "angle": direction}}
 
 
 @dataclass(frozen=True, eq=False)
@@ -233,15 +256,6 @@ class Tint(Edit):
     share: float = 1.0
 
     _word: ClassVar[str] = "tint"
-
-    def _action(self, files: _Files) -> dict[str, Any]:
-        colour: Any = self.colour
-        is_path = isinstance(colour, str) and _vtex.colour(colour) is None and _inputs.names_file(colour)
-        if is_path or not isinstance(colour, (str, tuple, list)):
-            colour = files.add(colour, "colour")
-        else:
-            colour = _colour(colour, "colour")
-        return {"colour": colour, "amount": self.amount, "share": self.share}
 
 
 @dataclass(frozen=True, eq=False)
@@ -267,10 +281,6 @@ class Recolor(Edit):
     keep: Literal["nothing", "details"] = "nothing"
 
     _word: ClassVar[str] = "recolor"
-
-    def _action(self, files: _Files) -> dict[str, Any]:
-        colours = {"from": _colour(self.from_, "from_"), "to": _colour(self.to, "to")}
-        return {**colours, "reach": self.reach, "keep": self.keep}
 
 
 @dataclass(frozen=True, eq=False)
@@ -320,9 +330,6 @@ class Shadow(Edit):
 
     _word: ClassVar[str] = "shadow"
 
-    def _action(self, files: _Files) -> dict[str, Any]:
-        return {"angle": self.angle, "length": self.length, "opacity": self.opacity, "blur": self.blur}
-
 
 @dataclass(frozen=True, eq=False)
 class Flatten(Edit):
@@ -346,9 +353,6 @@ class Simplify(Edit):
 
     _word: ClassVar[str] = "simplify"
 
-    def _action(self, files: _Files) -> dict[str, Any]:
-        return {"tolerance": self.tolerance}
-
 
 @dataclass(frozen=True, eq=False)
 class Outline(Edit):
@@ -366,9 +370,6 @@ class Outline(Edit):
     colour: Colour
 
     _word: ClassVar[str] = "outline"
-
-    def _action(self, files: _Files) -> dict[str, Any]:
-        return {"width": self.width, "colour": _colour(self.colour, "colour")}
 
 
 @dataclass(frozen=True, eq=False)
@@ -399,15 +400,6 @@ class Hatch(Edit):
     paper: Colour = "white"
 
     _word: ClassVar[str] = "hatch"
-
-    def _action(self, files: _Files) -> dict[str, Any]:
-        return {
-            "spacing": self.spacing,
-            "angle": self.angle,
-            "width": self.width,
-            "colour": _colour(self.colour, "colour"),
-            "paper": _colour(self.paper, "paper"),
-        }
 
 
 @dataclass(frozen=True, eq=False)
@@ -448,9 +440,6 @@ class Move(Edit):
 
     _word: ClassVar[str] = "move"
 
-    def _action(self, files: _Files) -> dict[str, Any]:
-        return {"x": self.x, "y": self.y}
-
 
 @dataclass(frozen=True, eq=False)
 class Scale(Edit):
@@ -466,9 +455,6 @@ class Scale(Edit):
 
     _word: ClassVar[str] = "scale"
 
-    def _action(self, files: _Files) -> dict[str, Any]:
-        return {"factor": files.number(self.factor, "factor")}
-
 
 @dataclass(frozen=True, eq=False)
 class Rotate(Edit):
@@ -483,9 +469,6 @@ class Rotate(Edit):
     angle: float | _inputs.Picture
 
     _word: ClassVar[str] = "rotate"
-
-    def _action(self, files: _Files) -> dict[str, Any]:
-        return {"angle": files.number(self.angle, "angle")}
 
 
 @dataclass(frozen=True, eq=False)
@@ -513,8 +496,8 @@ class Transform(Edit):
     _word: ClassVar[str] = "transform"
 
     def _action(self, files: _Files) -> dict[str, Any]:
-        by, scale = _inputs.pair("by", self.by, 0.0), _inputs.pair("scale", self.scale)
-        return {"by": by, "scale": scale, "angle": self.angle, "about": self.about}
+        pairs = {"by": _inputs.pair("by", self.by, 0.0), "scale": _inputs.pair("scale", self.scale)}
+        return {**super()._action(files), **pairs}
 
 
 @dataclass(frozen=True, eq=False)
@@ -562,20 +545,6 @@ class Jitter(Edit):
 
     _word: ClassVar[str] = "jitter"
 
-    def _action(self, files: _Files) -> dict[str, Any]:
-        return {
-            "distance": self.distance,
-            "angle": self.angle,
-            "scale": self.scale,
-            "stretch": self.stretch,
-            "flip": self.flip,
-            "hue": self.hue,
-            "chroma": self.chroma,
-            "lightness": self.lightness,
-            "distribution": self.distribution,
-            "steps": _inputs.whole("steps", self.steps, 0, 1000),
-        }
-
 
 @dataclass(frozen=True, eq=False)
 class Shuffle(Edit):
@@ -596,9 +565,6 @@ class Shuffle(Edit):
     outlines: bool = False
 
     _word: ClassVar[str] = "shuffle"
-
-    def _action(self, files: _Files) -> dict[str, Any]:
-        return {"within": self.within, "share": self.share, "outlines": bool(self.outlines)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -625,10 +591,6 @@ class Vary(Edit):
 
     _word: ClassVar[str] = "vary"
 
-    def _action(self, files: _Files) -> dict[str, Any]:
-        colour, shape = files.number(self.colour, "colour"), files.number(self.shape, "shape")
-        return {"colour": colour, "shape": shape, "within": self.within}
-
 
 @dataclass(frozen=True, eq=False)
 class Relax(Edit):
@@ -650,10 +612,6 @@ class Relax(Edit):
     minimum_distance: float | None = None
 
     _word: ClassVar[str] = "relax"
-
-    def _action(self, files: _Files) -> dict[str, Any]:
-        rounds = _inputs.whole("rounds", self.rounds, 1, 1000)
-        return {"rounds": rounds, "strength": self.strength, "minimum_distance": self.minimum_distance}
 
 
 @dataclass(frozen=True, eq=False)
@@ -695,14 +653,10 @@ class Propagate(Edit):
         given = {"drawing": self.drawing, "element": self.element, "fill": self.fill}
         if sum(value is not None for value in given.values()) != 1:
             raise InputError("Propagate needs one of drawing, element and fill", "give one of them by name")
-        return {
-            "drawing": None if self.drawing is None else files.add(self.drawing, "drawing"),
-            "element": None if self.element is None else files.add(self.element, "element"),
-            "fill": None if self.fill is None else _colour(self.fill, "fill"),
-            "of": None if self.of is None else _inputs.whole("of", self.of, 0, 2**32 - 1),
-            "similar": self.similar,
-            "replace": self.element is not None if self.replace is None else bool(self.replace),
-        }
+        action = super()._action(files)
+        if self.replace is None:
+            action["replace"] = self.element is not None
+        return action
 
 
 @dataclass(frozen=True, eq=False)
@@ -722,9 +676,6 @@ class Order(Edit):
     reverse: bool = False
 
     _word: ClassVar[str] = "order"
-
-    def _action(self, files: _Files) -> dict[str, Any]:
-        return {"by": self.by, "reverse": bool(self.reverse)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -750,9 +701,6 @@ class Mask(Edit):
     inside: bool = True
 
     _word: ClassVar[str] = "mask"
-
-    def _action(self, files: _Files) -> dict[str, Any]:
-        return {"shape": files.add(self.shape, "shape"), "inside": bool(self.inside)}
 
 
 def _asked(edits: Iterable[Edit | Iterable[Edit]]) -> tuple[list[dict[str, Any]], dict[str, bytes]]:

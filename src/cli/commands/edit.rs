@@ -4,7 +4,7 @@ use crate::cli::command::{Arguments, Job, Resolved};
 use crate::cli::common::Common;
 use crate::cli::config::{CommandLineValues, Parameters};
 use crate::cli::failure::Failure;
-use crate::cli::format;
+use crate::cli::format::{self, Lists};
 use crate::cli::input::Input;
 use crate::cli::operations::{self, ParsedOperation};
 use crate::cli::options::files::{ForceArgs, Makes, check_files, outputs, required, targets};
@@ -46,10 +46,10 @@ pub(crate) struct EditArgs {
     /// Explain all operations, and stop
     #[arg(long)]
     pub(crate) list: bool,
-    /// Result: .svg, .svgz, .pdf, .png, .scene.json or .scene.json.gz [default: ./SCENE.edited.svg]
+    /// Result: {formats} [default: ./SCENE.edited.svg]
     ///
     /// The file extension sets the format. - writes SVG to stdout. Several -o write several files
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long, value_name = "FILE", lists = MAKES.allowed)]
     pub(crate) output: Vec<PathBuf>,
     #[command(flatten)]
     pub(crate) force: ForceArgs,
@@ -133,7 +133,7 @@ struct OperationReport<'a> {
 fn run(common: &Common, reporter: &Reporter, editing: &Editing) -> anyhow::Result<()> {
     let Editing { scene: input, operations: asked, seed, svg, render, targets } = editing;
     targets.probe()?;
-    if let Some(warning) = render.warning(targets.has(Format::Png)) {
+    if let Some(warning) = render.warning(targets.any_uses(|uses| uses.scale)) {
         reporter.warn(warning);
     }
     reporter.stage("reading")?;

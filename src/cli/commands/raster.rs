@@ -133,7 +133,7 @@ impl Making {
         check_files(&read, &[("-o", a.output.as_deref())])?;
         let place = match (a.output, &photo) {
             (Some(path), _) if path.as_os_str() != "-" => {
-                format::kind_of("--output", &path, &[Format::Png])?;
+                format::kind_of("--output", &path, |format| format == Format::Png)?;
                 Destination::File { path, force: a.force.force }
             }
             (None, Input::File(path)) => {

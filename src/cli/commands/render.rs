@@ -4,7 +4,7 @@ use crate::cli::command::{Arguments, Job, Resolved};
 use crate::cli::common::Common;
 use crate::cli::config::CommandLineValues;
 use crate::cli::failure::Failure;
-use crate::cli::format;
+use crate::cli::format::{self, Allowed, Lists};
 use crate::cli::input::{Input, InputKind};
 use crate::cli::number::Takes;
 use crate::cli::options::common;
@@ -28,6 +28,8 @@ use vtex::{Parameter, Progress};
 const WIDTH: Parameter<u32> = Parameter { unit: "px", default: None, ..SynthParams::SIDE };
 
 const MAKES: Makes = Makes { allowed: format::OF_SCENE, usual: Format::Png, word: "" };
+/// The formats into which an SVG is not drawn.
+const OTHERS: Allowed = |format| (MAKES.allowed)(format) && format != Format::Png;
 
 /// Draw a library (as its exemplar), a scene or an SVG as a picture
 #[derive(Args)]
@@ -44,11 +46,10 @@ pub(crate) struct RenderArgs {
     /// A library, scene or SVG, plain or gzip; - reads stdin
     #[arg(value_name = "FILE", required = true)]
     pub(crate) file: Option<PathBuf>,
-    /// Result: .png; for a library or scene also .svg, .svgz, .pdf, .scene.json or .scene.json.gz [default:
-    /// ./FILE.png]
+    /// Result: .png; for a library or scene also {formats} [default: ./FILE.png]
     ///
     /// - writes PNG to stdout. Several -o write several files
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long, value_name = "FILE", lists = OTHERS)]
     pub(crate) output: Vec<PathBuf>,
     /// Width of a PNG, if you give no scale
     #[arg(long, number_or(WIDTH, "as the scale says"), conflicts_with = "scale", help_heading = "Output")]
@@ -94,12 +95,12 @@ impl Arguments for RenderArgs {
 
 fn run(common: &Common, reporter: &Reporter, input: &Input, options: &RenderOptions) -> anyhow::Result<()> {
     let RenderOptions { width, scale: parameters, svg, targets, pattern } = options;
-    let (mut parameters, mut svg) = (*parameters, *svg);
+    let (mut parameters, svg) = (*parameters, *svg);
     targets.probe()?;
     if let Some(pattern) = pattern {
         pattern.place.probe()?;
     }
-    if let Some(warning) = parameters.warning(targets.has(Format::Png)) {
+    if let Some(warning) = parameters.warning(targets.any_uses(|uses| uses.scale)) {
         reporter.warn(warning);
     }
     reporter.stage("reading")?;
@@ -109,7 +110,6 @@ fn run(common: &Common, reporter: &Reporter, input: &Input, options: &RenderOpti
         match InputKind::expect(&bytes, input, &[InputKind::Library, InputKind::Scene, InputKind::Svg])? {
             InputKind::Library => {
                 let library = Library::from_bytes(&bytes, &name)?;
-                svg = svg.fit(std::slice::from_ref(&library));
                 Some(reconstruct(&library))
             }
             InputKind::Scene => Some(Scene::from_bytes(&bytes, &name)?),

@@ -4,7 +4,7 @@ use crate::cli::command::{Arguments, Job, Resolved};
 use crate::cli::common::Common;
 use crate::cli::config::{CommandLineValues, ConfigLayer, Parameters};
 use crate::cli::failure::Failure;
-use crate::cli::format;
+use crate::cli::format::{self, Lists};
 use crate::cli::input::Input;
 use crate::cli::options::common;
 use crate::cli::options::context::{ContextArgs, ContextFiles};
@@ -46,10 +46,10 @@ pub(crate) struct SynthArgs {
     /// The library, plain or gzip; - reads stdin. Several, at most 16, share the canvas with --map
     #[arg(value_name = "LIBRARY", required = true)]
     pub(crate) library: Vec<PathBuf>,
-    /// Result: .svg, .svgz, .pdf, .png, .scene.json or .scene.json.gz [default: ./LIBRARY.svg]
+    /// Result: {formats} [default: ./LIBRARY.svg]
     ///
     /// The file extension sets the format. - writes SVG to stdout. Several -o write several files
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long, value_name = "FILE", lists = MAKES.allowed)]
     pub(crate) output: Vec<PathBuf>,
     #[command(flatten)]
     pub(crate) preset: PresetArgs,

@@ -5,7 +5,7 @@ use crate::cli::command::{Arguments, Job, Resolved};
 use crate::cli::common::Common;
 use crate::cli::config::{CommandLineValues, ConfigLayer, Parameters};
 use crate::cli::failure::Failure;
-use crate::cli::format::{self, beside, default_name};
+use crate::cli::format::{self, Lists, beside, default_name};
 use crate::cli::input::Input;
 use crate::cli::options::analyze::AnalyzeFlags;
 use crate::cli::options::common;
@@ -49,11 +49,10 @@ pub(crate) struct TextureArgs {
     /// Photograph (PNG, JPEG, TIFF, WebP, BMP, GIF, PNM) or drawing (SVG, SVGZ); - reads stdin
     #[arg(value_name = "PHOTO", required = true)]
     pub(crate) photo: Option<PathBuf>,
-    /// Result: .svg, .svgz, .pdf, .png, .scene.json, .scene.json.gz, .lib.json or .lib.json.gz [default:
-    /// ./PHOTO.texture.svg]
+    /// Result: {formats} [default: ./PHOTO.texture.svg]
     ///
     /// The file extension sets the format. - writes SVG to stdout. Several -o write several files
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long, value_name = "FILE", lists = MAKES.allowed)]
     pub(crate) output: Vec<PathBuf>,
     /// Also write the library and the scene, to continue later: out.lib.json and out.scene.json beside
     /// out.svg

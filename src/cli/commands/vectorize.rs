@@ -5,7 +5,7 @@ use crate::cli::command::{Arguments, Job, Resolved};
 use crate::cli::common::Common;
 use crate::cli::config::{CommandLineValues, ConfigLayer};
 use crate::cli::failure::Failure;
-use crate::cli::format;
+use crate::cli::format::{self, Lists};
 use crate::cli::options::analyze::AnalyzeFlags;
 use crate::cli::options::common;
 use crate::cli::options::files::{ForceArgs, Makes, required, targets};
@@ -42,10 +42,10 @@ pub(crate) struct VectorizeArgs {
     /// Photograph (PNG, JPEG, TIFF, WebP, BMP, GIF, PNM) or drawing (SVG, SVGZ); - reads stdin
     #[arg(value_name = "PHOTO", required = true)]
     pub(crate) photo: Option<PathBuf>,
-    /// Result: .svg, .svgz, .pdf, .png, .scene.json or .scene.json.gz [default: ./PHOTO.vector.svg]
+    /// Result: {formats} [default: ./PHOTO.vector.svg]
     ///
     /// The file extension sets the format. - writes SVG to stdout. Several -o write several files
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long, value_name = "FILE", lists = MAKES.allowed)]
     pub(crate) output: Vec<PathBuf>,
 
     #[command(flatten)]
@@ -99,7 +99,7 @@ impl Arguments for VectorizeArgs {
         let (svg, render) = (resolved.parameters.svg, resolved.parameters.render);
         let drawing = DrawingOptions { svg, render, recipe: None };
         Ok(Box::new(move |common, reporter| {
-            if let Some(warning) = render.warning(targets.has(Format::Png)) {
+            if let Some(warning) = render.warning(targets.any_uses(|uses| uses.scale)) {
                 reporter.warn(warning);
             }
             run(common, reporter, &analysis, drawing, &targets)
@@ -122,7 +122,6 @@ fn run(
     reporter.plan(Plan { finder: Some(analysis.finder()), ..Plan::default() });
     let library = analyze(common, analysis, reporter)?;
     let scene = reconstruct(&library);
-    let drawing = DrawingOptions { svg: drawing.svg.fit(std::slice::from_ref(&library)), ..drawing };
     reporter.stage("writing")?;
     let written = targets.write_scene(&scene, None, drawing)?;
     let summary = Summary {

@@ -4,7 +4,7 @@ use crate::cli::command::{Arguments, Job, Resolved};
 use crate::cli::common::Common;
 use crate::cli::config::CommandLineValues;
 use crate::cli::failure::Failure;
-use crate::cli::format;
+use crate::cli::format::{self, Lists};
 use crate::cli::input::{Input, InputKind};
 use crate::cli::number::Takes;
 use crate::cli::options::files::{ForceArgs, Makes, check_files, outputs, required, targets};
@@ -59,10 +59,10 @@ pub(crate) struct WarpArgs {
     #[arg(long, value_name = "HOW", hide_possible_values = true)]
     #[arg(value_parser = one_of(&["keep", "clip", "avoid"], named::<Edge>))]
     pub(crate) edge: Option<Edge>,
-    /// Result: .svg, .svgz, .pdf, .png, .scene.json or .scene.json.gz [default: ./SCENE.warped.svg]
+    /// Result: {formats} [default: ./SCENE.warped.svg]
     ///
     /// The file extension sets the format. - writes SVG to stdout. Several -o write several files
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long, value_name = "FILE", lists = MAKES.allowed)]
     pub(crate) output: Vec<PathBuf>,
     #[command(flatten)]
     pub(crate) force: ForceArgs,

@@ -1,7 +1,7 @@
 //! Files that are read and written: the places of results, and the check that no file is both.
 
 use crate::cli::failure::Failure;
-use crate::cli::format::{self, default_name};
+use crate::cli::format::{self, Allowed, default_name};
 use crate::cli::input::Input;
 use crate::cli::output::{Destination, Target, Targets};
 use clap::Args;
@@ -29,7 +29,7 @@ pub(crate) fn required(path: Option<PathBuf>) -> Result<Input, Failure> {
 #[derive(Clone, Copy)]
 pub(crate) struct Makes {
     /// All formats in which the result may be written.
-    pub(crate) allowed: &'static [Format],
+    pub(crate) allowed: Allowed,
     /// The default format.
     pub(crate) usual: Format,
     /// The default ending of its file's name, after the name of the input; may be empty. Commands differ in
@@ -60,13 +60,18 @@ pub(crate) fn targets(
 /// One place.
 fn target(path: PathBuf, force: &ForceArgs, Makes { allowed, usual, .. }: Makes) -> Result<Target, Failure> {
     if path.as_os_str() == "-" {
-        if matches!(usual, Format::Png | Format::Svg) && std::io::stdout().is_terminal() {
+        if !is_document(usual) && std::io::stdout().is_terminal() {
             return Err(Failure::usage("a terminal cannot show a picture").hint("name a file with --output"));
         }
         return Ok(Target { place: Destination::Stdout, kind: FileKind { format: usual, gzip: false } });
     }
     let kind = format::kind_of("--output", &path, allowed)?;
     Ok(Target { place: Destination::File { path, force: force.force }, kind })
+}
+
+/// Whether a format is text that vtex reads again.
+fn is_document(format: Format) -> bool {
+    matches!(format, Format::Scene | Format::Library)
 }
 
 /// The files of `-o`, with their flag.

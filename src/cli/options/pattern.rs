@@ -2,7 +2,7 @@
 
 use super::files::{ForceArgs, check_distinct};
 use crate::cli::failure::Failure;
-use crate::cli::format;
+use crate::cli::format::{self, Lists};
 use crate::cli::output::{Destination, Target, Targets};
 use clap::Args;
 use std::path::PathBuf;
@@ -11,9 +11,9 @@ use std::path::PathBuf;
 #[derive(Args)]
 #[command(next_help_heading = "Output")]
 pub(crate) struct PatternArgs {
-    /// Also write an SVG of any size, filled with the texture as a <pattern>: .svg or .svgz. The texture must
-    /// repeat along both axes (--tile)
-    #[arg(long, value_name = "FILE")]
+    /// Also write an SVG of any size, filled with the texture as a <pattern>: {formats}. The texture
+    /// must repeat along both axes (--tile)
+    #[arg(long, value_name = "FILE", lists = format::OF_PATTERN)]
     pub(crate) pattern: Option<PathBuf>,
 }
 

@@ -3,10 +3,10 @@
 use crate::cli::number::Takes;
 use crate::cli::values::Resolution;
 use clap::Args;
-use serde::{Serialize, Serializer};
-use std::str::FromStr;
+use serde::Serialize;
 use vtex::Parameter;
 use vtex::output::DPI;
+use vtex::output::file::BackgroundChoice;
 use vtex::raster::colour::Colour;
 use vtex::raster::css;
 
@@ -24,9 +24,13 @@ pub(crate) struct RenderFlags {
     /// elements; --scale makes a finer PNG of the same elements
     #[arg(long, value_name = "NUMBER", takes = format!("{DPI}, or auto, default: auto"))]
     pub(crate) dpi: Option<Resolution>,
+    /// Draw all elements in this colour, if they have one colour. Shapes in the colour of the background follow
+    /// --paper [#rrggbb, #rgb or a name of CSS, default: the exemplar's]
+    #[arg(long, value_name = "COLOUR", value_parser = ink)]
+    pub(crate) ink: Option<Colour>,
     /// Use one colour as the background, or none to leave it transparent [#rrggbb, #rgb, a name of CSS or
     /// none, default: the exemplar's]
-    #[arg(long, value_name = "COLOUR")]
+    #[arg(long, visible_alias = "paper", value_name = "COLOUR")]
     pub(crate) background: Option<BackgroundChoice>,
 }
 
@@ -37,6 +41,9 @@ pub(crate) struct RenderParameters {
     pub(crate) scale: f64,
     /// Pixels of the canvas per inch of its page.
     pub(crate) dpi: Resolution,
+    /// Colour of the elements, if not the exemplar's.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) ink: Option<Colour>,
     /// Background between the elements, if not the exemplar's.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) background: Option<BackgroundChoice>,
@@ -44,37 +51,13 @@ pub(crate) struct RenderParameters {
 
 impl Default for RenderParameters {
     fn default() -> Self {
-        Self { scale: Self::SCALE.default(), dpi: Resolution::default(), background: None }
+        Self { scale: Self::SCALE.default(), dpi: Resolution::default(), ink: None, background: None }
     }
 }
 
-/// The background between the elements.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum BackgroundChoice {
-    Colour(Colour),
-    None,
-}
-
-impl FromStr for BackgroundChoice {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        if text == "none" || text == "transparent" {
-            Ok(Self::None)
-        } else {
-            let expected = || "expected #rrggbb, #rgb or a name such as red, or none".into();
-            css::colour(text).map(Self::Colour).ok_or_else(expected)
-        }
-    }
-}
-
-impl Serialize for BackgroundChoice {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match self {
-            Self::Colour(colour) => colour.serialize(serializer),
-            Self::None => serializer.serialize_str("none"),
-        }
-    }
+/// The colour of `--ink`.
+pub(crate) fn ink(text: &str) -> Result<Colour, String> {
+    css::colour(text).ok_or_else(|| "expected #rrggbb, #rgb or a name such as red".into())
 }
 
 impl RenderParameters {

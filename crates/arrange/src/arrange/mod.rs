@@ -37,6 +37,7 @@ use grid::Grid;
 use model::{Content, EMPTY, PlaceableId, PlacementModel, UNDEFINED, VariantId};
 use occupancy::Occupancy;
 use region::PlacementRegion;
+use std::borrow::Cow;
 use vtex_base::error::Result;
 use vtex_base::progress::Progress;
 use vtex_field::correspondence::PagesMemory;
@@ -48,29 +49,24 @@ const WIDEST_MARGIN: i32 = 256;
 /// Score of an element that is placed beforehand: elements placed by descriptors are removed before it.
 const FIXED_SCORE: f32 = 1.0;
 
-/// A placement to be made.
-pub(crate) struct PlacementTask<'a> {
-    /// Libraries that elements are taken from; the model is made of these.
-    pub(crate) libraries: &'a [Library],
-    pub(crate) controls: &'a Controls,
-    pub(crate) params: &'a SynthParams,
-    /// The method. [`Method::Correspondence`] needs libraries with guides.
-    pub(crate) method: Method,
+/// What a texture is made of, and how: decided once, before anything is placed. All lengths are in pixels of the canvas.
+#[derive(Clone)]
+pub(crate) struct Plan<'a> {
+    /// Libraries that elements are taken from.
+    pub(crate) libraries: Cow<'a, [Library]>,
+    pub(crate) controls: Cow<'a, Controls>,
+    /// The parameters, with the method that is used.
+    pub(crate) params: SynthParams,
     /// What earlier canvases of the same libraries have left.
     pub(crate) memory: Option<&'a PagesMemory>,
-    /// Elements that are placed beforehand. Those whose origin lies beyond the margin are left out.
-    pub(crate) fixed: Vec<Fixed>,
 }
 
-/// The data that all methods use.
+/// The data that all parts of a correspondence field use.
 #[derive(Clone, Copy)]
 pub(crate) struct PlacementContext<'a> {
-    pub(crate) libraries: &'a [Library],
-    pub(crate) controls: &'a Controls,
-    pub(crate) params: &'a SynthParams,
+    pub(crate) plan: &'a Plan<'a>,
     pub(crate) grid: &'a Grid,
     pub(crate) region: &'a PlacementRegion<'a>,
-    pub(crate) memory: Option<&'a PagesMemory>,
     pub(crate) progress: &'a dyn Progress,
 }
 
@@ -94,7 +90,7 @@ pub(crate) struct PlacedElement {
     pub(crate) variation: u16,
     /// Place of its origin, in pixels of the canvas.
     pub(crate) at: [i32; 2],
-    /// Its index in [`PlacementTask::fixed`], if it was placed beforehand.
+    /// Its index among the fixed elements, if it was placed beforehand.
     pub(crate) fixed: Option<usize>,
 }
 
@@ -116,32 +112,34 @@ pub(crate) struct PlacementResult<'a> {
     pub(crate) covered_before: Vec<u64>,
 }
 
-/// Places elements on a canvas.
+/// Places elements on a canvas: by correspondences if that is the method of the plan, else by descriptors. `fixed` are
+/// placed beforehand, but for those whose origin lies beyond the margin. The model is made of the plan's libraries.
 ///
 /// # Errors
 /// [`vtex_base::Error::Interrupted`].
 pub(crate) fn arrange<'a>(
     model: &'a mut PlacementModel,
-    task: &PlacementTask<'a>,
+    plan: &'a Plan<'_>,
+    fixed: &[Fixed],
     progress: &dyn Progress,
 ) -> Result<PlacementResult<'a>> {
-    let PlacementTask { libraries, controls, params, method, memory, .. } = *task;
+    let params = &plan.params;
+    let is_carried = params.method == Method::Correspondence;
     let grid = Grid::around(model, params);
-    let region = PlacementRegion::new(&grid, controls, params.edge, method == Method::Correspondence);
+    let region = PlacementRegion::new(&grid, &plan.controls, params.edge, is_carried);
     let on_grid = |at: [i32; 2]| [0, 1].map(|k| at[k] + grid.margin[k]);
-    let (mut standing, mut initial, mut fixed) = (Vec::new(), Vec::new(), Vec::new());
-    for (i, f) in task.fixed.iter().enumerate() {
+    let (mut standing, mut initial, mut on_canvas) = (Vec::new(), Vec::new(), Vec::new());
+    for (i, f) in fixed.iter().enumerate() {
         let at = on_grid(f.at);
         if grid.cell(at).is_some() {
             standing.push((f.variant, at));
             initial.push(f.requests);
-            fixed.push(i);
+            on_canvas.push(i);
         }
     }
     let (mut correspondence, mut structure) = (None, None);
-    if method == Method::Correspondence {
-        let context =
-            PlacementContext { libraries, controls, params, grid: &grid, region: &region, memory, progress };
+    if is_carried {
+        let context = PlacementContext { plan, grid: &grid, region: &region, progress };
         let found = Correspondence::new(&context, model)?;
         let carried = found.carry(&context, model)?;
         // Where descriptors continue, they begin with the elements beside the area.
@@ -169,9 +167,9 @@ pub(crate) fn arrange<'a>(
     let correction = density::correct(&mut cells, &mut choice, params, progress)?;
     progress.picture("placed", &|| picture::placed(&cells));
     if let Some(correspondence) = &mut correspondence {
-        correspondence.take_ground(libraries, &cells, params.seed);
+        correspondence.take_ground(&plan.libraries, &cells, params.seed);
     }
-    let placed = placed(&cells, &fixed);
+    let placed = placed(&cells, &on_canvas);
     Ok(PlacementResult { placed, cells, correspondence, structure, descriptors, correction, covered_before })
 }
 

@@ -23,21 +23,23 @@ pub(crate) struct MotifUnits {
     /// The drawing, with units as its elements.
     pub(crate) library: Library,
     /// The parts of each unit, in painting order.
-    pub(crate) parts: Vec<Vec<UnitPart>>,
+    pub(crate) parts: Vec<Vec<DrawnElement>>,
     /// The motif that each unit is.
     motifs: Vec<Option<UnitMotif>>,
 }
 
-/// An element of a unit.
+/// An element of a drawing at a place: there, on a canvas, or as part of a unit.
 #[derive(Clone, Copy)]
-pub(crate) struct UnitPart {
+pub(crate) struct DrawnElement {
     /// Index of the element in the drawing.
     pub(crate) element: usize,
-    /// From the shapes of the element to those of the unit.
+    /// From the shapes of the element to their place.
     pub(crate) map: Affine,
     /// Index of its layer in the drawing, and its place in the painting order there; that of the first where the parts of
     /// its unit are painted one after another.
     pub(crate) order: (usize, usize),
+    /// Number of the motif on the canvas of which it is a part.
+    pub(crate) motif: Option<u32>,
 }
 
 /// A unit that is a motif.
@@ -65,14 +67,14 @@ impl MotifUnits {
         let placed = placed(library);
         let mut is_part = vec![false; library.elements.len()];
         let is_whole = |m: &&Motif| m.parts.iter().all(|p| placed[p.element.index()].len() == 1);
-        let mut units: Vec<(Option<&Motif>, Vec<UnitPart>)> = Vec::new();
+        let mut units: Vec<(Option<&Motif>, Vec<DrawnElement>)> = Vec::new();
         for motif in library.motifs.iter().filter(is_whole) {
-            let mut parts: Vec<UnitPart> = Vec::with_capacity(motif.parts.len());
+            let mut parts: Vec<DrawnElement> = Vec::with_capacity(motif.parts.len());
             for part in &motif.parts {
                 let element = part.element.index();
                 is_part[element] = true;
                 let place = placed[element][0];
-                parts.push(UnitPart { map: period(library, part.periods) * place.map, ..place });
+                parts.push(DrawnElement { map: period(library, part.periods) * place.map, ..place });
             }
             units.push((Some(motif), parts));
         }
@@ -81,9 +83,9 @@ impl MotifUnits {
         Some(Self::of_units(library, &units))
     }
 
-    fn of_units(library: &Library, units: &[(Option<&Motif>, Vec<UnitPart>)]) -> Self {
+    fn of_units(library: &Library, units: &[(Option<&Motif>, Vec<DrawnElement>)]) -> Self {
         // Units are painted where their topmost parts are.
-        let top = |parts: &[UnitPart]| parts.iter().map(|p| p.order).max().unwrap_or_default();
+        let top = |parts: &[DrawnElement]| parts.iter().map(|p| p.order).max().unwrap_or_default();
         let mut order: Vec<usize> = (0..units.len()).collect();
         order.sort_by_key(|&u| top(&units[u].1));
         let mut own = Self { library: empty(library), parts: Vec::new(), motifs: Vec::new() };
@@ -93,8 +95,8 @@ impl MotifUnits {
             let (motif, parts) = &units[u];
             let mut sorted: Vec<usize> = (0..parts.len()).collect();
             sorted.sort_by_key(|&k| parts[k].order);
-            let mut painted: Vec<UnitPart> = sorted.iter().map(|&k| parts[k]).collect();
-            let is_run = |w: &[UnitPart]| w[1].order == (w[0].order.0, w[0].order.1 + 1);
+            let mut painted: Vec<DrawnElement> = sorted.iter().map(|&k| parts[k]).collect();
+            let is_run = |w: &[DrawnElement]| w[1].order == (w[0].order.0, w[0].order.1 + 1);
             if painted.windows(2).all(is_run) {
                 let first = painted[0].order;
                 painted.iter_mut().for_each(|part| part.order = first);
@@ -106,7 +108,7 @@ impl MotifUnits {
                 }
             }
             let unit = element(library, &painted);
-            let centre = |p: &UnitPart| p.map * bounds(&library.elements[p.element].shapes).center();
+            let centre = |p: &DrawnElement| p.map * bounds(&library.elements[p.element].shapes).center();
             own.motifs.push(motif.map(|m| {
                 let centres: Vec<Point> = parts.iter().map(centre).collect();
                 let all = bounds(&unit.shapes);
@@ -227,7 +229,7 @@ impl UnitMotif {
 }
 
 /// The direction of the longer axis of a part; `None` for one about as wide as long.
-fn axis(library: &Library, part: &UnitPart) -> Option<f64> {
+fn axis(library: &Library, part: &DrawnElement) -> Option<f64> {
     let moments = SecondMoments::new(library.elements[part.element].outline()).moved(part.map);
     (moments.elongation() >= DIRECTED).then(|| moments.angle())
 }
@@ -267,12 +269,17 @@ fn period(library: &Library, count: [i32; 2]) -> Affine {
 }
 
 /// The places of each element of a drawing.
-fn placed(library: &Library) -> Vec<Vec<UnitPart>> {
-    let mut placed: Vec<Vec<UnitPart>> = vec![Vec::new(); library.elements.len()];
+fn placed(library: &Library) -> Vec<Vec<DrawnElement>> {
+    let mut placed: Vec<Vec<DrawnElement>> = vec![Vec::new(); library.elements.len()];
     for (l, layer) in library.layers.iter().enumerate() {
         for (n, instance) in layer.instances.iter().enumerate() {
             let element = instance.element.index();
-            placed[element].push(UnitPart { element, map: Affine::new(instance.transform), order: (l, n) });
+            placed[element].push(DrawnElement {
+                element,
+                map: Affine::new(instance.transform),
+                order: (l, n),
+                motif: None,
+            });
         }
     }
     placed
@@ -290,8 +297,8 @@ fn empty(library: &Library) -> Library {
 }
 
 /// The element of a unit. Its category and colour are those of its largest part.
-fn element(library: &Library, parts: &[UnitPart]) -> ExemplarElement {
-    let of = |p: &UnitPart| &library.elements[p.element];
+fn element(library: &Library, parts: &[DrawnElement]) -> ExemplarElement {
+    let of = |p: &DrawnElement| &library.elements[p.element];
     let largest = parts.iter().map(of).max_by_key(|e| e.area).unwrap_or(&library.elements[0]);
     let shapes: Vec<Shape> = parts
         .iter()

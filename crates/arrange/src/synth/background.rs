@@ -1,14 +1,13 @@
 //! The background field's control points (paper §3.2.3).
 
 use super::backdrop::{Backdrop, BackgroundPart};
-use crate::arrange::correspondence::Correspondence;
-use crate::arrange::occupancy::Occupancy;
 use crate::arrange::region::PlacementRegion;
+use crate::arrange::{PlacementResult, Plan};
 use std::borrow::Cow;
 use vtex_base::raster::colour::Colour;
 use vtex_base::sampling::{Area, Stream, poisson_disk, stream};
 use vtex_scene::library::Library;
-use vtex_scene::scene::{ControlPoint, Field, SynthParams};
+use vtex_scene::scene::{ControlPoint, Field};
 
 /// Width of the margin of control points around the canvas, in spacings.
 const MARGIN: f64 = 2.0;
@@ -19,13 +18,10 @@ const FINER: f64 = 0.75;
 
 /// Samples a Poisson-disk set over the canvas and a margin. Each point has a colour of the palette, or a
 /// mixture by shares where libraries share the canvas.
-pub(crate) fn field(
-    libraries: &[Library],
-    map: &Occupancy<'_>,
-    correspondence: Option<&Correspondence>,
-    params: &SynthParams,
-) -> Field {
-    let palettes = palettes(libraries);
+pub(crate) fn field(plan: &Plan<'_>, arrangement: &PlacementResult<'_>) -> Field {
+    let (params, map) = (&plan.params, &arrangement.cells);
+    let correspondence = arrangement.correspondence.as_ref();
+    let palettes = palettes(&plan.libraries);
     let spacings = palettes.iter().map(|palette| palette.spacing);
     let usual = spacings.fold(f64::INFINITY, f64::min) * if correspondence.is_some() { FINER } else { 1.0 };
     let spacing = params.background_spacing.unwrap_or(usual);
@@ -34,7 +30,7 @@ pub(crate) fn field(
         return field;
     }
     let backdrops = correspondence.map(|c| {
-        let of = libraries.iter().zip(&palettes).zip(c.labels()).map(|((library, palette), labels)| {
+        let of = plan.libraries.iter().zip(&palettes).zip(c.labels()).map(|((library, palette), labels)| {
             let holds = |x: u32, y: u32| labels.get(x, y) == 0;
             let secondaries = library.secondaries().iter().collect();
             Backdrop::new(library, &BackgroundPart { field: palette, holds: &holds, secondaries })

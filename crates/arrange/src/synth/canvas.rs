@@ -1,6 +1,6 @@
 //! The canvas of a texture: its size where none is asked for, and its pixels where lengths are.
 
-use super::is_drawing;
+use vtex_base::error::{Error, Large, Result};
 use vtex_scene::library::{Lattice, Library};
 use vtex_scene::scene::{LatticeChoice, Length, LengthUnit, SynthParams, page_at};
 
@@ -17,6 +17,12 @@ const SLACK: f64 = 0.05;
 const SIZE_WEIGHT: f64 = 0.05;
 /// Most periods of a drawing along an axis of a page that tiles, where no resolution is given.
 const MOST_PERIODS: u32 = 40;
+
+/// Largest canvas, in pixels.
+pub(super) const LARGEST_CANVAS: u64 = 400_000_000;
+/// Memory per pixel of the canvas, in bytes: seven of the target map, and the share of placed elements
+/// (measured on sandy concrete, which has the most).
+const BYTES_PER_PIXEL: u64 = 25;
 
 /// The size that is asked for.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -36,15 +42,28 @@ impl CanvasSize {
     /// `None`, a page given in lengths has as many pixels as the canvas that suits the libraries, so that elements are as
     /// large in relation to the page whatever its size; one that tiles has whole periods of a drawing or lattice.
     pub fn set(self, params: &mut SynthParams, libraries: &[Library], dpi: Option<u32>) {
+        self.set_repeated(params, libraries, dpi, REPEATS);
+    }
+
+    /// As [`CanvasSize::set`], but where no size is asked for, a drawing has one page, at a pixel for each unit. A page in
+    /// lengths has one, too.
+    pub fn set_one_page(self, params: &mut SynthParams, libraries: &[Library], dpi: Option<u32>) {
+        self.set_repeated(params, libraries, dpi, 1);
+        if self == Self::Auto && dpi.is_none() {
+            params.page = None;
+        }
+    }
+
+    fn set_repeated(self, params: &mut SynthParams, libraries: &[Library], dpi: Option<u32>, repeats: u32) {
         let (size, page) = match self {
             Self::Auto => {
-                let (size, page) = usual(libraries);
+                let (size, page) = usual(libraries, repeats);
                 (size, dpi.map_or(page, |dpi| page_at(size, dpi)))
             }
             Self::Pixels(size) => (size, dpi.and_then(|dpi| page_at(size, dpi))),
             Self::Page(page) => {
                 let at = |dpi: u32| page.map(|side| libm::round(side.inches() * f64::from(dpi)) as u32);
-                (dpi.map_or_else(|| fitted(page, params, libraries), at), Some(page))
+                (dpi.map_or_else(|| fitted(page, params, libraries, repeats), at), Some(page))
             }
         };
         [params.width, params.height] = size;
@@ -61,14 +80,14 @@ impl CanvasSize {
     }
 }
 
-/// The canvas that suits libraries, and its page.
-fn usual(libraries: &[Library]) -> ([u32; 2], Option<[Length; 2]>) {
+/// The canvas that suits libraries, and its page. A drawing has at most `most` pages along each axis.
+fn usual(libraries: &[Library], most: u32) -> ([u32; 2], Option<[Length; 2]>) {
     let SynthParams { width, height, .. } = SynthParams::default();
     let [library] = libraries else { return ([width, height], None) };
-    if !is_drawing(library) {
+    if !library.is_drawing() {
         return ([width, height], None);
     }
-    let side = library.page().map(|side| side * f64::from(repeats(library)));
+    let side = library.page().map(|side| side * f64::from(repeats(library, most)));
     let longer = side[0].max(side[1]);
     let shown = side.map(|v| libm::round(v / longer * f64::from(ON_SCREEN)).max(1.0));
     let [x, y] = shown.map(|v| Length::new(v, LengthUnit::Pixel));
@@ -81,23 +100,23 @@ fn whole(side: f64) -> u32 {
     libm::round(side).clamp(least, most) as u32
 }
 
-/// Number of pages of a drawing along each axis, where no size is asked for.
-fn repeats(library: &Library) -> u32 {
+/// Number of pages of a drawing along each axis, at most `most`, where no size is asked for.
+fn repeats(library: &Library, most: u32) -> u32 {
     let elements: usize = library.layers.iter().map(|layer| layer.instances.len()).sum();
     let [of_period, of_page] = MOST_ELEMENTS;
-    let most = if library.arrangement.periodic { of_period } else { of_page };
-    let few = |n: &u32| elements * (n * n) as usize <= most;
-    (1..=REPEATS).rev().find(few).unwrap_or(1)
+    let placed = if library.arrangement.periodic { of_period } else { of_page };
+    let few = |n: &u32| elements * (n * n) as usize <= placed;
+    (1..=most).rev().find(few).unwrap_or(1)
 }
 
 /// The canvas of a page for which no resolution is given.
-fn fitted(page: [Length; 2], params: &SynthParams, libraries: &[Library]) -> [u32; 2] {
+fn fitted(page: [Length; 2], params: &SynthParams, libraries: &[Library], most: u32) -> [u32; 2] {
     let proportion = page[0].points() / page[1].points();
     let single = if let [library] = libraries { Some(library) } else { None };
-    let area = match single.filter(|library| is_drawing(library)) {
+    let area = match single.filter(|library| library.is_drawing()) {
         Some(library) => {
             let [w, h] = library.page();
-            let area = w * h * f64::from(repeats(library).pow(2));
+            let area = w * h * f64::from(repeats(library, most).pow(2));
             if library.arrangement.periodic && params.tile.any() {
                 return whole_periods([w, h], proportion, area, params);
             }
@@ -151,4 +170,23 @@ fn whole_periods([w, h]: [f64; 2], proportion: f64, area: f64, params: &SynthPar
         (false, _) => [count(height, h) * proportion, count(height, h)],
     };
     [whole(width), whole(height)]
+}
+
+/// An error if the canvas is too large.
+pub(crate) fn check_canvas(params: &SynthParams) -> Result<()> {
+    let canvas = u64::from(params.width) * u64::from(params.height);
+    if canvas <= LARGEST_CANVAS {
+        return Ok(());
+    }
+    Err(Error::TooLarge {
+        what: Large::Canvas,
+        name: "size".into(),
+        found: format!(
+            "{} x {} px, about {} GB of memory",
+            params.width,
+            params.height,
+            canvas * BYTES_PER_PIXEL / 1_000_000_000
+        ),
+        limit: format!("{} megapixels", LARGEST_CANVAS / 1_000_000),
+    })
 }

@@ -6,8 +6,12 @@
 //! photographs. Each is made for the whole canvas and kept only in its part. Drawings lie below photographs,
 //! because elements of a drawing may extend beyond their part.
 
+use super::compose;
 use super::report::{CategoryReport, SynthReport};
-use super::{Controls, is_drawing};
+use super::texture::Texture;
+use crate::arrange::Plan;
+use crate::arrange::controls::Controls;
+use std::borrow::Cow;
 use vtex_base::error::Result;
 use vtex_base::geometry::{Outline, Point, Rect};
 use vtex_base::progress::Progress;
@@ -24,51 +28,99 @@ const PLACE_DISTANCE: f64 = 12.0;
 /// Least and largest number of these places along a side.
 const PLACES: [usize; 2] = [6, 64];
 
-/// Whether libraries have parts of their own: a drawing is among several.
-pub(super) fn applies(libraries: &[Library], controls: &Controls) -> bool {
-    libraries.len() > 1 && controls.structure.is_none() && libraries.iter().any(is_drawing)
+/// The textures of a canvas that drawings share with other libraries.
+pub(super) struct CanvasParts {
+    /// The indices of the libraries of each.
+    groups: Vec<Vec<usize>>,
+    /// The part of each pixel, and the share of the canvas that each has.
+    map: LayerMap,
+    shares: Vec<f64>,
+    /// The parts that are seen, from bottom to top.
+    parts: Vec<CanvasPart>,
 }
 
-/// The scene of all parts, and its report.
-///
-/// # Errors
-/// As [`synthesize_with`](super::synthesize_with).
-pub(super) fn synthesize(
-    libraries: &[Library],
-    params: &SynthParams,
-    controls: &Controls,
-    progress: &dyn Progress,
-) -> Result<(Scene, SynthReport)> {
-    let groups = groups(libraries);
-    let map = parts(&groups, params, controls);
-    let outlines = map.outlines([params.tile.x, params.tile.y]);
-    let shares = map.shares();
-    let references = libraries.iter().map(Library::reference).collect();
-    let scene = Scene::new([params.width, params.height], references, Vec::new());
-    let mut whole = JoinedScene { scene: Scene { page: params.page, ..scene }, map };
-    let mut reports = Vec::new();
-    let is_seen = |g: usize| shares[g] > 0.0 && (g == 0 || !outlines[g - 1].is_empty());
-    for (g, group) in groups.iter().enumerate().filter(|(g, _)| is_seen(*g)) {
-        let own: Vec<Library> = group.iter().map(|&k| libraries[k].clone()).collect();
-        let of_group = Controls {
-            shares: if group.len() > 1 {
-                group.iter().map(|&k| controls.shares[k].clone()).collect()
-            } else {
-                Vec::new()
-            },
-            ..controls.clone()
+impl CanvasParts {
+    /// The parts of a plan's canvas; `None` unless a drawing is among several libraries.
+    ///
+    /// # Errors
+    /// As [`Texture::new`].
+    pub(super) fn of(plan: &Plan<'_>, progress: &dyn Progress) -> Result<Option<Self>> {
+        let Plan { libraries, controls, params, .. } = plan;
+        let applies = libraries.len() > 1 && controls.structure.is_none();
+        if !applies || !libraries.iter().any(Library::is_drawing) {
+            return Ok(None);
+        }
+        let groups = groups(libraries);
+        let map = parts(&groups, params, controls);
+        let (outlines, shares) = (map.outlines([params.tile.x, params.tile.y]), map.shares());
+        let is_seen = |g: &usize| shares[*g] > 0.0 && (*g == 0 || !outlines[g - 1].is_empty());
+        let part = |number: usize| {
+            let group = &groups[number];
+            let own = group.iter().map(|&k| libraries[k].clone()).collect();
+            let several = group.iter().filter(|_| group.len() > 1);
+            let own_shares = several.map(|&k| controls.shares[k].clone()).collect();
+            let steered = Cow::Owned(Controls { shares: own_shares, ..Controls::clone(controls) });
+            let texture = Texture::new(Cow::Owned(own), params.clone(), steered, None, progress)?;
+            let region = number.checked_sub(1).map(|below| outlines[below].clone());
+            Ok(CanvasPart { number, region, texture })
         };
-        let (scene, report) = super::synthesize_with(&own, params, &of_group, progress)?;
-        let region = g.checked_sub(1).map(|below| outlines[below].clone());
-        // A texture that repeats its period exactly may be cut; others keep elements whole.
-        let still = scene.parameters.as_ref().is_some_and(|p| p.variation == Some(0.0));
-        let part = CanvasPart { number: g, region, is_cut: still && report.period.is_some() };
-        whole.add(scene, group, &part);
-        reports.push((g, report));
+        let parts = (0..groups.len()).filter(is_seen).map(part).collect::<Result<_>>()?;
+        Ok(Some(Self { groups, map, shares, parts }))
     }
-    let scene = whole.scene;
-    let report = joined_report(libraries, &groups, &shares, &reports, &scene);
-    Ok((scene, report))
+
+    /// The scene of all parts, and its report.
+    ///
+    /// # Errors
+    /// As [`Texture::made`].
+    pub(super) fn made(&self, plan: &Plan<'_>, progress: &dyn Progress) -> Result<(Scene, SynthReport)> {
+        let mut whole = JoinedScene { scene: compose::blank(plan, Vec::new()), map: &self.map };
+        let mut reports = Vec::new();
+        for part in &self.parts {
+            let (scene, report) = part.texture.made(progress)?;
+            // A texture that repeats its period exactly may be cut; others keep elements whole.
+            let still = scene.parameters.as_ref().is_some_and(|p| p.variation == Some(0.0));
+            let is_cut = still && report.period.is_some();
+            whole.add(scene, &self.groups[part.number], part, is_cut);
+            reports.push((part.number, report));
+        }
+        let report = self.joined_report(&plan.libraries, &reports, &whole.scene);
+        Ok((whole.scene, report))
+    }
+
+    /// The report of the whole canvas: shares are averaged over parts by area, counts are added.
+    fn joined_report(
+        &self,
+        libraries: &[Library],
+        reports: &[(usize, SynthReport)],
+        scene: &Scene,
+    ) -> SynthReport {
+        let Self { groups, shares, .. } = self;
+        let sum = |of: fn(&SynthReport) -> f64| reports.iter().map(|(g, r)| shares[*g] * of(r)).sum::<f64>();
+        let count = |of: fn(&SynthReport) -> u64| reports.iter().map(|(_, r)| of(r)).sum::<u64>();
+        let none = |l: &Library| vec![CategoryReport::default(); l.categories.len()];
+        let mut categories: Vec<Vec<CategoryReport>> = libraries.iter().map(none).collect();
+        for (g, report) in reports {
+            let own =
+                groups[*g].iter().flat_map(|&k| (0..libraries[k].categories.len()).map(move |c| (k, c)));
+            for ((k, c), found) in own.zip(&report.categories) {
+                let [wanted, got] = [found.wanted, found.got].map(|v| shares[*g] * v);
+                categories[k][c] = CategoryReport { wanted, got };
+            }
+        }
+        let last = reports.last().map(|(_, report)| report);
+        let report = SynthReport { categories: categories.concat(), ..SynthReport::default() };
+        SynthReport {
+            coverage_wanted: sum(|r| r.coverage_wanted),
+            coverage: sum(|r| r.coverage),
+            attempts: count(|r| r.attempts),
+            refused: count(|r| r.refused),
+            removed: count(|r| r.removed),
+            added: count(|r| r.added),
+            method: last.map_or_else(Default::default, |r| r.method),
+            structure: last.and_then(|r| r.structure),
+            ..report.of_scene(libraries, scene)
+        }
+    }
 }
 
 /// The libraries of each texture: one drawing each, then all photographs.
@@ -109,20 +161,20 @@ struct CanvasPart {
     number: usize,
     /// Its outline; `None` for the lowest part, which needs none.
     region: Option<Outline>,
-    /// Whether elements are cut at its border.
-    is_cut: bool,
+    /// Its texture, on the whole canvas.
+    texture: Texture<'static>,
 }
 
 /// The scene of all parts, and the part of each pixel.
-struct JoinedScene {
+struct JoinedScene<'a> {
     scene: Scene,
-    map: LayerMap,
+    map: &'a LayerMap,
 }
 
-impl JoinedScene {
-    /// Adds the elements of a texture within its part; `group` are its libraries.
-    fn add(&mut self, scene: Scene, group: &[usize], part: &CanvasPart) {
-        let CanvasPart { number, region, is_cut } = part;
+impl JoinedScene<'_> {
+    /// Adds the elements of a texture within its part, cut at its border or whole; `group` are its libraries.
+    fn add(&mut self, scene: Scene, group: &[usize], part: &CanvasPart, is_cut: bool) {
+        let CanvasPart { number, region, .. } = part;
         self.scene.tile = scene.tile;
         self.scene.domain = scene.domain.clone();
         self.scene.parameters = scene.parameters.clone();
@@ -138,7 +190,7 @@ impl JoinedScene {
         for layer in std::iter::once(&background).chain(elements) {
             let kept = layer.instances.iter().filter(|i| {
                 let bounds = i.affine().transform_rect_bbox(scene.element(i).bounds());
-                if *is_cut {
+                if is_cut {
                     self.reaches(bounds, *number)
                 } else {
                     self.part_at(bounds.center()) == *number as u32
@@ -152,7 +204,7 @@ impl JoinedScene {
                 Instance { id: InstanceId(next - 1), element, motif, ..i.clone() }
             };
             let instances: Vec<Instance> = kept.map(renumbered).collect();
-            let clip = if *is_cut || layer.field.is_some() { region.clone() } else { None };
+            let clip = if is_cut || layer.field.is_some() { region.clone() } else { None };
             let name = self.free_name(&title, &layer.name);
             let (role, field) = (layer.role, layer.field.clone());
             self.scene.layers.push(Layer { name, region: clip, field, instances, ..Layer::new(role) });
@@ -201,39 +253,4 @@ fn field(scene: &Scene) -> Option<Field> {
     let fields: Vec<_> =
         scene.layers.iter().filter_map(|l| Some((l.region.as_ref(), l.field.as_ref()?))).collect();
     joined(&fields).map(|field| field.into_owned())
-}
-
-/// The report of the whole canvas: shares are averaged over parts by area, counts are added.
-fn joined_report(
-    libraries: &[Library],
-    groups: &[Vec<usize>],
-    shares: &[f64],
-    reports: &[(usize, SynthReport)],
-    scene: &Scene,
-) -> SynthReport {
-    let sum = |of: fn(&SynthReport) -> f64| reports.iter().map(|(g, r)| shares[*g] * of(r)).sum::<f64>();
-    let count = |of: fn(&SynthReport) -> u64| reports.iter().map(|(_, r)| of(r)).sum::<u64>();
-    let mut categories: Vec<Vec<CategoryReport>> = libraries
-        .iter()
-        .map(|l| vec![CategoryReport { wanted: 0.0, got: 0.0 }; l.categories.len()])
-        .collect();
-    for (g, report) in reports {
-        let own = groups[*g].iter().flat_map(|&k| (0..libraries[k].categories.len()).map(move |c| (k, c)));
-        for ((k, c), found) in own.zip(&report.categories) {
-            let [wanted, got] = [found.wanted, found.got].map(|v| shares[*g] * v);
-            categories[k][c] = CategoryReport { wanted, got };
-        }
-    }
-    let last = reports.last().map(|(_, report)| report);
-    SynthReport {
-        coverage_wanted: sum(|r| r.coverage_wanted),
-        coverage: sum(|r| r.coverage),
-        attempts: count(|r| r.attempts),
-        refused: count(|r| r.refused),
-        removed: count(|r| r.removed),
-        added: count(|r| r.added),
-        method: last.map_or_else(Default::default, |r| r.method),
-        structure: last.and_then(|r| r.structure),
-        ..SynthReport::of_scene(libraries, scene, categories.concat())
-    }
 }

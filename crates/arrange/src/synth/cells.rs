@@ -1,17 +1,17 @@
 //! Drawings of cells made anew: cells come whole, and fit where they meet others ([`vtex_curves::quilted_cells`]).
 
 use super::cell_drawing::CellDrawing;
-use super::compose::{Placement, What, compose_drawing};
+use super::compose::{Arranged, Placement, What};
 use super::line_drawing::is_line;
-use super::report::{CategoryReport, SynthReport};
-use crate::arrange::controls::Controls;
+use super::report::SynthReport;
+use crate::arrange::Plan;
 use vtex_base::error::Result;
 use vtex_base::geometry::{Affine, BezPath, Curve, Outline, PathEl, Point, Rect, ring_path, rounded};
 use vtex_base::progress::{Progress, advance};
 use vtex_curves::{CellParams, QuiltedCell, quilted_cells};
-use vtex_scene::element::{ElementId, Line, Shape};
-use vtex_scene::library::Library;
-use vtex_scene::scene::{Element, LibraryId, Scene, SynthParams};
+use vtex_scene::element::{Line, Shape};
+use vtex_scene::library::{ExemplarElement, ExemplarInstance};
+use vtex_scene::scene::{Element, LibraryId};
 
 /// Least share of the bounds of a cell that a stroke along its outline has.
 const ALONG: f64 = 0.8;
@@ -21,11 +21,11 @@ const ALONG: f64 = 0.8;
 /// # Errors
 /// As [`quilted_cells`], and those of `progress`.
 pub(super) fn cell_texture(
-    library: &Library,
+    plan: &Plan<'_>,
     drawing: &CellDrawing,
-    (params, controls): (&SynthParams, &Controls),
     progress: &dyn Progress,
-) -> Result<(Scene, SynthReport)> {
+) -> Result<Arranged<'static>> {
+    let (library, params) = (&plan.libraries[0], &plan.params);
     let go_on = || advance(progress, "curves", 0, 2);
     let asked = CellParams {
         size: [params.width, params.height].map(f64::from),
@@ -35,98 +35,75 @@ pub(super) fn cell_texture(
     };
     let found = quilted_cells(&drawing.exemplar, &asked, &go_on)?;
     advance(progress, "curves", 1, 2)?;
-    let cells: Vec<FittedCell> =
-        found.iter().filter_map(|cell| FittedCell::new(library, drawing, cell)).collect();
-    let placements = cells.iter().map(|cell| Placement {
-        what: match &cell.made {
-            Some(element) => What::Made(element),
-            None => What::Known(LibraryId(0), cell.source, None),
-        },
-        transform: cell.transform,
-        layer: cell.layer,
-        motif: None,
-    });
-    let params = SynthParams { variation: Some(asked.variation), ..params.clone() };
-    let scene = compose_drawing(library, &params, controls, placements);
     let mut areas = vec![0.0; library.categories.len()];
-    for cell in &cells {
-        if let Some(category) = library.primaries()[cell.source.index()].category {
-            areas[category.index()] += cell.area;
-        }
-    }
-    let canvas = asked.size[0] * asked.size[1];
-    let categories = CategoryReport::of(library, areas.into_iter().map(|made| (made / canvas).min(1.0)));
-    advance(progress, "curves", 2, 2)?;
-    let libraries = std::slice::from_ref(library);
-    let report = SynthReport {
-        coverage_wanted: library.coverage,
-        ..SynthReport::of_scene(libraries, &scene, categories)
-    };
-    Ok((scene, report))
-}
-
-/// A cell as an element at its place.
-struct FittedCell {
-    source: ElementId,
-    /// The element if it is not the library's.
-    made: Option<Element>,
-    transform: [f64; 6],
-    layer: usize,
-    area: f64,
-}
-
-impl FittedCell {
-    fn new(library: &Library, drawing: &CellDrawing, cell: &QuiltedCell) -> Option<Self> {
+    let mut placements = Vec::with_capacity(found.len());
+    for cell in &found {
         let ([layer, instance, number], is_all) = drawing.sources[cell.cell as usize];
         let instance = &library.layers[layer].instances[instance];
         let element = &library.primaries()[instance.element.index()];
-        let drawn = Affine::new(instance.transform);
-        let (source, area) = (instance.element, cell.shown_area);
-        if cell.path.is_none() && is_all {
+        let fitted = if cell.path.is_none() && is_all {
             // Elements of scenes have their own place at the origin.
             let [x, y] = element.origin().map(f64::from);
-            let transform = rounded(cell.map * drawn * Affine::translate((x, y)));
-            return Some(Self { source, made: None, transform, layer, area });
-        }
-        let path = match &cell.path {
-            Some(path) => path.clone(),
-            None => {
-                let rings = &drawing.exemplar.cells[cell.cell as usize].rings;
-                cell.map * rings.iter().flat_map(|ring| ring_path(ring)).collect::<BezPath>()
-            }
+            let map = cell.map * Affine::new(instance.transform) * Affine::translate((x, y));
+            Some((What::Known(LibraryId(0), instance.element, None), rounded(map)))
+        } else {
+            made(element, instance, (number, is_all), (drawing, cell))
         };
-        let first = path.elements().first().and_then(PathEl::end_point)?;
-        let at = Point::new(libm::round(first.x), libm::round(first.y));
-        let path = Affine::translate(-at.to_vec2()) * path;
-        let outline = Outline::new(&path)?;
-        let map = Affine::translate(-at.to_vec2()) * cell.map * drawn;
-        let whole = element.shapes[number].outline.bounds();
-        let mut shapes = Vec::with_capacity(element.shapes.len());
-        for (k, shape) in element.shapes.iter().enumerate() {
-            let along = shape.line.as_ref().filter(|line| is_along(line, whole));
-            if k == number {
-                shapes.push(shape.moved(map).with_outline(outline.clone()));
-            } else if let Some(line) = along {
-                let line = Line { path: Curve::new(path.clone())?, ..(**line).clone() };
-                shapes.extend(
-                    Shape::stroked(line, shape.colour).map(|s| Shape { opacity: shape.opacity, ..s }),
-                );
-            } else if is_all && !is_line(shape) {
-                shapes.push(shape.moved(map));
-            }
+        let Some((what, transform)) = fitted else { continue };
+        if let Some(category) = element.category {
+            areas[category.index()] += cell.shown_area;
         }
-        let category = element.category;
-        let made = Element {
-            library: LibraryId(0),
-            source: Some(source),
-            category,
-            fused: true,
-            silhouette: None,
-            shapes,
-        };
-        let transform = Affine::translate(at.to_vec2()).as_coeffs();
-        Some(Self { source, made: Some(made), transform, layer, area })
+        placements.push(Placement { what, transform, layer, motif: None });
     }
+    let canvas = asked.size[0] * asked.size[1];
+    let covered = areas.into_iter().map(|made| (made / canvas).min(1.0)).collect();
+    advance(progress, "curves", 2, 2)?;
+    let report = SynthReport::of_drawing(library, 1.0, Some(covered));
+    Ok(Arranged::of_drawing(plan, asked.variation, placements, report))
+}
+
+/// A cell as an element made for it, and its place: shape `number` of an element, and what goes with that; `is_all`:
+/// the cell is all of the shape.
+fn made(
+    element: &ExemplarElement,
+    instance: &ExemplarInstance,
+    (number, is_all): (usize, bool),
+    (drawing, cell): (&CellDrawing, &QuiltedCell),
+) -> Option<(What<'static>, [f64; 6])> {
+    let path = match &cell.path {
+        Some(path) => path.clone(),
+        None => {
+            let rings = &drawing.exemplar.cells[cell.cell as usize].rings;
+            cell.map * rings.iter().flat_map(|ring| ring_path(ring)).collect::<BezPath>()
+        }
+    };
+    let first = path.elements().first().and_then(PathEl::end_point)?;
+    let at = Point::new(libm::round(first.x), libm::round(first.y));
+    let path = Affine::translate(-at.to_vec2()) * path;
+    let outline = Outline::new(&path)?;
+    let map = Affine::translate(-at.to_vec2()) * cell.map * Affine::new(instance.transform);
+    let whole = element.shapes[number].outline.bounds();
+    let mut shapes = Vec::with_capacity(element.shapes.len());
+    for (k, shape) in element.shapes.iter().enumerate() {
+        let along = shape.line.as_ref().filter(|line| is_along(line, whole));
+        if k == number {
+            shapes.push(shape.moved(map).with_outline(outline.clone()));
+        } else if let Some(line) = along {
+            let line = Line { path: Curve::new(path.clone())?, ..(**line).clone() };
+            shapes.extend(Shape::stroked(line, shape.colour).map(|s| Shape { opacity: shape.opacity, ..s }));
+        } else if is_all && !is_line(shape) {
+            shapes.push(shape.moved(map));
+        }
+    }
+    let made = Element {
+        library: LibraryId(0),
+        source: Some(instance.element),
+        category: element.category,
+        fused: true,
+        silhouette: None,
+        shapes,
+    };
+    Some((What::Made(Box::new(made)), Affine::translate(at.to_vec2()).as_coeffs()))
 }
 
 /// Whether a stroke runs along an outline of the given bounds.
@@ -137,10 +114,13 @@ fn is_along(line: &Line, outline: Rect) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use super::{CellDrawing, Progress};
     use crate::synth::testing::drawing_of;
     use crate::synth::{Controls, SynthReport, synthesize_with};
+    use std::sync::atomic::{AtomicUsize, Ordering};
     use vtex_base::error::Error;
     use vtex_base::geometry::Outline;
+    use vtex_base::geometry::plane::PeriodicPlane;
     use vtex_base::raster::{ControlMap, LabelMap};
     use vtex_scene::element::Shape;
     use vtex_scene::library::Library;
@@ -204,6 +184,38 @@ mod tests {
         let refused =
             run(&library, Method::Curves, &Controls { density: Some(density), ..Controls::default() });
         assert!(matches!(refused, Err(Error::Parameter { name: "method", .. })), "{refused:?}");
+    }
+
+    /// Counts reports of the stage in which a drawing is looked at, and asks to stop after `most` of them.
+    struct Looks {
+        most: usize,
+        seen: AtomicUsize,
+    }
+
+    impl Progress for Looks {
+        fn advance(&self, stage: &'static str, _: u64, _: u64) -> bool {
+            stage != "primaries" || self.seen.fetch_add(1, Ordering::Relaxed) < self.most
+        }
+    }
+
+    #[test]
+    fn the_page_is_looked_at_once_and_that_can_be_stopped() {
+        let library = rectangles(slabs());
+        let asked = std::cell::Cell::new(0);
+        let go_on = || {
+            asked.set(asked.get() + 1);
+            Ok(())
+        };
+        let page = PeriodicPlane { size: [160.0, 120.0], wraps: [true; 2] };
+        assert!(CellDrawing::of(&library, page, &go_on).unwrap().is_some());
+        let params =
+            SynthParams { width: 330, height: 250, method: Method::Curves, ..SynthParams::default() };
+        for most in [0, asked.get() / 2, usize::MAX] {
+            let looks = Looks { most, seen: AtomicUsize::new(0) };
+            let made = synthesize_with(std::slice::from_ref(&library), &params, &Controls::default(), &looks);
+            assert_eq!(matches!(made, Err(Error::Interrupted)), most < usize::MAX, "{most}");
+            assert_eq!(looks.seen.into_inner(), asked.get().min(most.saturating_add(1)));
+        }
     }
 
     #[test]

@@ -1,14 +1,16 @@
 //! Drawings arranged by clustered samples ([`vtex_cluster`]): a library becomes its exemplar, the result a scene.
 
-use super::compose::{Placement, What, compose_drawing};
-use super::covered::{MOVED, covered, is_moved};
-use super::recognised::{ShapeLook, cluster_context, oklab, without_region};
-use super::report::{CategoryReport, ClusterReport, SynthReport};
+use super::compose::{Arranged, Placement, What};
+use super::covered::{MOVED, is_moved};
+use super::methods::PlacementMethod;
+use super::recognised::{ShapeLook, StandingDrawing, oklab};
+use super::refusal::refusal;
+use super::report::{ClusterReport, SynthReport};
 use super::samples_picture::cluster_picture;
-use super::single_drawing::{refusal, single_drawing};
+use super::single_drawing::single_drawing;
+use crate::arrange::Plan;
 use crate::arrange::context::DrawnContext;
-use crate::arrange::controls::Controls;
-use crate::arrange::motifs::{MotifUnits, UnitPart};
+use crate::arrange::motifs::{DrawnElement, MotifUnits};
 use vtex_base::error::Result;
 use vtex_base::geometry::{Affine, ConvexPolygon, Outline, Rect, rounded};
 use vtex_base::progress::{Progress, advance};
@@ -17,31 +19,9 @@ use vtex_cluster::{
     PeriodicPlane, cluster, cluster_beside,
 };
 use vtex_scene::element::{self, Shape, SimilarTo};
-use vtex_scene::library::{ElementId, Library};
+use vtex_scene::library::{ElementId, ExemplarElement, Library};
 use vtex_scene::reconstruct::equal;
-use vtex_scene::scene::{Ablation, LibraryId, Scene, SynthParams};
-
-/// Whether a library can be arranged: one drawing, without a control that this method does not follow.
-///
-/// # Errors
-/// [`Error::Parameter`] that says what prevents it.
-pub(super) fn check(libraries: &[Library], params: &SynthParams, controls: &Controls) -> Result<()> {
-    let refused = |allowed| refusal("clustered", allowed);
-    let library = single_drawing(libraries, params, controls).map_err(refused)?;
-    if controls.density.is_some() {
-        return Err(refused("without a map of densities"));
-    }
-    let clipped = library.primaries().iter().filter(|e| e.clipped).count();
-    if clipped > 0 && library.arrangement.periodic {
-        return Err(refused(
-            "for a drawing whose elements end: some of this one run on from copy to copy, which 'period' keeps",
-        ));
-    }
-    if clipped == library.primaries().len() && clipped > 0 {
-        return Err(refused("for a drawing with elements that its border does not cut"));
-    }
-    Ok(())
-}
+use vtex_scene::scene::{Ablation, LibraryId, Method, SynthParams};
 
 /// Where no method is asked for: most elements of drawing and texture for which this one is chosen, and the largest side of
 /// an element, as a share of the page's.
@@ -51,92 +31,112 @@ const LARGEST: f64 = 0.5;
 /// Distance beyond a page up to which what the page cuts is looked at, in sides of the page.
 const BESIDE: f64 = 0.1;
 
-/// Whether this method suits a library best: a drawing of small elements on a page that ends.
-pub(super) fn suits(libraries: &[Library], params: &SynthParams, controls: &Controls) -> bool {
-    let [library] = libraries else { return false };
-    let ends = !library.arrangement.periodic && check(libraries, params, controls).is_ok();
+/// Placement by clustered samples: what is known of the drawing.
+pub(super) struct Clustered {
+    drawing: ClusteredDrawing,
+    /// Its motifs: each is one figure.
+    units: Option<MotifUnits>,
+    /// The drawing that stays.
+    standing: Option<StandingDrawing>,
+}
+
+impl PlacementMethod for Clustered {
+    fn fits(plan: &Plan<'_>, _: &dyn Progress) -> Result<Self> {
+        let refused = |allowed| refusal(Method::Clustered, allowed);
+        let library = single_drawing(plan).map_err(refused)?;
+        if plan.controls.density.is_some() {
+            return Err(refused("without a map of densities"));
+        }
+        let clipped = library.primaries().iter().filter(|e| e.clipped).count();
+        if clipped > 0 && library.arrangement.periodic {
+            return Err(refused(
+                "for a drawing whose elements end: some of this one run on from copy to copy, which 'period' keeps",
+            ));
+        }
+        if clipped == library.primaries().len() && clipped > 0 {
+            return Err(refused("for a drawing with elements that its border does not cut"));
+        }
+        let units = MotifUnits::new(library);
+        let drawing = ClusteredDrawing::new(units.as_ref().map_or(library, |u| &u.library));
+        let canvas = [plan.params.width, plan.params.height].map(f64::from);
+        let context = plan.controls.context.as_ref();
+        let standing = context.map(|context| StandingDrawing::new(&drawing, context, canvas));
+        Ok(Self { drawing, units, standing })
+    }
+
+    fn arrange(&self, plan: &Plan<'_>, progress: &dyn Progress) -> Result<Arranged<'static>> {
+        let go_on = || advance(progress, "primaries", 0, 2);
+        go_on()?;
+        let Self { drawing, units, standing } = self;
+        let (library, params) = (&plan.libraries[0], &plan.params);
+        let variation = params.variation.unwrap_or(1.0);
+        let size = [params.width, params.height].map(f64::from);
+        let parts = ClusteringParts {
+            no_switch: params.without(Ablation::Switch),
+            no_merge: params.without(Ablation::Merge),
+            no_split: params.without(Ablation::Split),
+            no_link: params.without(Ablation::Link),
+            no_shape: params.without(Ablation::Shape),
+        };
+        let asked = ClusterParams {
+            size,
+            tile: [params.tile.x, params.tile.y],
+            seed: params.seed,
+            variation,
+            without: parts,
+            without_context: params.without(Ablation::ShapeContext),
+            without_depth: params.without(Ablation::Depth),
+        };
+        let found = match standing {
+            None => cluster(&drawing.exemplar, &asked, &go_on)?,
+            Some(standing) => cluster_beside(&drawing.exemplar, &standing.context, &asked, &go_on)?,
+        };
+        advance(progress, "primaries", 1, 2)?;
+        for (number, level) in found.levels.iter().enumerate() {
+            progress.picture(&format!("samples-{}", number + 1), &|| {
+                cluster_picture(level, [params.width, params.height])
+            });
+        }
+        let mut placed = drawing.reaching(&found, params);
+        let context = plan.controls.context.as_ref();
+        if let Some(context) = context.filter(|_| placed.is_empty()) {
+            return Err(context.too_small("elements"));
+        }
+        // Layers keep their order; within one, the order is that of the result.
+        placed.sort_by_key(|e| drawing.places[e.place].layer);
+        let known = if units.is_some() { equal(library.primaries()) } else { Vec::new() };
+        let placements = placed
+            .iter()
+            .zip(0..)
+            .flat_map(|(e, n)| drawing.placements(library, (units.as_ref(), n), &known, e));
+        let placements = placements.collect();
+        let share = context.map_or(1.0, |context| context.share(size));
+        let recognised = standing.as_ref().map(|s| [s.recognised, s.context.places.len()]);
+        let report = SynthReport {
+            clusters: Some(ClusterReport { recognised, ..summed(&found) }),
+            ..SynthReport::of_drawing(library, share, None)
+        };
+        let arranged = Arranged::of_drawing(plan, variation, placements, report);
+        Ok(Arranged { counted: Some("primaries"), ..arranged })
+    }
+
+    fn cleared(&self, context: &DrawnContext, canvas: [u32; 2]) -> DrawnContext {
+        match &self.standing {
+            Some(standing) => context.keeping(&standing.is_kept),
+            None => context.without_lines(canvas),
+        }
+    }
+}
+
+/// Whether this method suits a plan best: a drawing of small elements on a page that ends.
+pub(super) fn suits(plan: &Plan<'_>) -> bool {
+    let [library] = &*plan.libraries else { return false };
     let [w, h] = library.page();
-    let pages = f64::from(params.width) * f64::from(params.height) / (w * h);
+    let pages = f64::from(plan.params.width) * f64::from(plan.params.height) / (w * h);
     let are_few = library.primaries().len() as f64 * pages.max(1.0) <= MOST;
     let is_small = |b: Rect| b.width() <= LARGEST * w && b.height() <= LARGEST * h;
-    ends && are_few && library.primaries().iter().all(|e| e.clipped || is_small(element::bounds(&e.shapes)))
-}
-
-/// A texture of clustered samples, and how close it came.
-///
-/// # Errors
-/// As [`cluster`], and those of `progress`.
-pub(super) fn synthesize(
-    library: &Library,
-    params: &SynthParams,
-    controls: &Controls,
-    progress: &dyn Progress,
-) -> Result<(Scene, SynthReport)> {
-    let go_on = || advance(progress, "primaries", 0, 2);
-    go_on()?;
-    // A motif is one figure.
-    let units = MotifUnits::new(library);
-    let drawing = ClusteredDrawing::new(units.as_ref().map_or(library, |u| &u.library));
-    let variation = params.variation.unwrap_or(1.0);
-    let tile = [params.tile.x, params.tile.y];
-    let size = [params.width, params.height].map(f64::from);
-    let parts = ClusteringParts {
-        no_switch: params.without(Ablation::Switch),
-        no_merge: params.without(Ablation::Merge),
-        no_split: params.without(Ablation::Split),
-        no_link: params.without(Ablation::Link),
-        no_shape: params.without(Ablation::Shape),
-    };
-    let asked = ClusterParams {
-        size,
-        tile,
-        seed: params.seed,
-        variation,
-        without: parts,
-        without_context: params.without(Ablation::ShapeContext),
-        without_depth: params.without(Ablation::Depth),
-    };
-    let beside = controls.context.as_ref().map(|context| (context, cluster_context(&drawing, context)));
-    let found = match &beside {
-        None => cluster(&drawing.exemplar, &asked, &go_on)?,
-        Some((_, (standing, _))) => cluster_beside(&drawing.exemplar, standing, &asked, &go_on)?,
-    };
-    advance(progress, "primaries", 1, 2)?;
-    for (number, level) in found.levels.iter().enumerate() {
-        progress.picture(&format!("samples-{}", number + 1), &|| {
-            cluster_picture(level, [params.width, params.height])
-        });
-    }
-    let params = SynthParams { variation: Some(variation), ..params.clone() };
-    let mut placed = drawing.reaching(&found, &params);
-    if let Some((context, _)) = beside.as_ref().filter(|_| placed.is_empty()) {
-        return Err(context.too_small("elements"));
-    }
-    // Layers keep their order; within one, the order is that of the result.
-    placed.sort_by_key(|e| drawing.places[e.place].layer);
-    let known = if units.is_some() { equal(library.primaries()) } else { Vec::new() };
-    let placements =
-        placed.iter().zip(0..).flat_map(|(e, n)| drawing.placements(library, (units.as_ref(), n), &known, e));
-    let scene = compose_drawing(library, &params, controls, placements);
-    let covered = covered(library, &scene, || advance(progress, "primaries", 1, 2))?;
-    let mut categories = CategoryReport::of(library, covered);
-    let share = beside.as_ref().map_or(1.0, |(context, _)| context.share(size));
-    categories.iter_mut().for_each(|c| c.wanted *= share);
-    advance(progress, "primaries", 2, 2)?;
-    let recognised = beside.map(|(_, (standing, count))| [count, standing.drawing.places.len()]);
-    let report = SynthReport {
-        coverage_wanted: share * library.coverage,
-        clusters: Some(ClusterReport { recognised, ..summed(&found) }),
-        ..SynthReport::of_scene(std::slice::from_ref(library), &scene, categories)
-    };
-    Ok((scene, report))
-}
-
-/// A context without the elements in its region.
-pub(super) fn cleared(library: &Library, context: &DrawnContext, canvas: [u32; 2]) -> DrawnContext {
-    let units = MotifUnits::new(library);
-    let drawing = ClusteredDrawing::new(units.as_ref().map_or(library, |u| &u.library));
-    without_region(&drawing, context, canvas)
+    let are_small = |e: &ExemplarElement| e.clipped || is_small(element::bounds(&e.shapes));
+    !library.arrangement.periodic && are_few && library.primaries().iter().all(are_small)
 }
 
 /// Sums over all levels.
@@ -248,13 +248,13 @@ impl ClusteredDrawing {
 
     /// The elements of the drawing that an element of the result stands for: itself, or the parts of a motif, which get a
     /// number.
-    fn placements<'a>(
+    fn placements(
         &self,
         library: &Library,
         (units, number): (Option<&MotifUnits>, u32),
         known: &[SimilarTo],
         element: &ClusteredElement,
-    ) -> Vec<Placement<'a>> {
+    ) -> Vec<Placement<'static>> {
         let DrawnPlace { own, element: first, map, at, layer } = self.places[element.place];
         let by = Affine::translate((element.at[0] - at[0], element.at[1] - at[1]));
         let motif = units.and_then(|units| units.kind(own)).map(|_| number);
@@ -268,7 +268,7 @@ impl ClusteredDrawing {
             }
         };
         let Some(units) = units else { return vec![placement(first, map, layer)] };
-        let part = |part: &UnitPart| {
+        let part = |part: &DrawnElement| {
             let (first, from) = moved_first(known, part.element);
             placement(first, part.map * from, part.order.0)
         };

@@ -1,11 +1,17 @@
-//! Composes scenes of placed elements, for all methods of placement.
+//! Composes scenes of what a method has arranged.
 
-use crate::arrange::PlacementResult;
-use crate::arrange::controls::Controls;
+use super::covered::covered;
+use super::report::SynthReport;
+use super::secondaries::PlacedSecondary;
+use super::strata::CanvasStrata;
+use crate::arrange::correspondence::SecondaryPlace;
 use crate::arrange::model::Content;
 use crate::arrange::variation::Variation;
+use crate::arrange::{PlacedElement, PlacementResult, Plan};
+use vtex_base::error::Result;
+use vtex_base::progress::{Progress, advance};
 use vtex_base::raster::colour::Colour;
-use vtex_scene::library::Library;
+use vtex_scene::library::{ExemplarLayer, Library};
 use vtex_scene::reconstruct::Listing;
 use vtex_scene::scene::{
     Domain, Element, ElementId, Instance, InstanceId, Layer, LibraryId, Role, Scene, SynthParams,
@@ -27,61 +33,95 @@ pub(crate) enum What<'a> {
     /// An element of a library, in a colour of its own or in the element's.
     Known(LibraryId, ElementId, Option<Colour>),
     /// An element made for this scene.
-    Made(&'a Element),
+    Made(Box<Element>),
     /// An instance of an earlier scene, which keeps its identity, element, colour and effects.
     Kept(&'a Instance),
 }
 
-/// A scene with layers but without elements.
-pub(crate) fn blank(
-    libraries: &[Library],
-    params: &SynthParams,
-    controls: &Controls,
-    layers: Vec<Layer>,
-) -> Scene {
-    let references = libraries.iter().map(Library::reference).collect();
+/// What a method has arranged.
+pub(crate) struct Arranged<'a> {
+    /// The scene without instances.
+    pub(crate) blank: Scene,
+    /// Number of the first new instance.
+    pub(crate) first: InstanceId,
+    /// The elements, in their order within each layer.
+    pub(crate) placements: Vec<Placement<'a>>,
+    /// What the method has to say.
+    pub(crate) report: SynthReport,
+    /// The stage in which it is counted what the categories of a drawing cover; `None` if the report says so.
+    pub(crate) counted: Option<&'static str>,
+}
+
+impl<'a> Arranged<'a> {
+    /// What is arranged on a blank scene, whose coverage the report says.
+    pub(crate) fn new(blank: Scene, placements: Vec<Placement<'a>>, report: SynthReport) -> Self {
+        Self { blank, first: InstanceId(0), placements, report, counted: None }
+    }
+
+    /// What is arranged for a drawing, in its layers; beside a drawing that stays, in one layer.
+    pub(super) fn of_drawing(
+        plan: &Plan<'_>,
+        variation: f64,
+        mut placements: Vec<Placement<'a>>,
+        report: SynthReport,
+    ) -> Self {
+        let layers = if plan.controls.context.is_some() {
+            placements.iter_mut().for_each(|placement| placement.layer = 0);
+            vec![Layer { name: Layer::PREDICTED.into(), predicted: true, ..Layer::new(Role::Primary) }]
+        } else {
+            let own = plan.libraries[0].layers.iter();
+            let layer = |own: &ExemplarLayer| Layer {
+                name: own.name.clone(),
+                field: own.field.clone(),
+                ..Layer::new(own.role)
+            };
+            own.map(layer).collect()
+        };
+        let mut blank = blank(plan, layers);
+        blank.parameters = blank.parameters.map(|p| SynthParams { variation: Some(variation), ..p });
+        Self::new(blank, placements, report)
+    }
+
+    /// The scene, and all that is to be said of it.
+    ///
+    /// # Errors
+    /// Those of `progress`.
+    pub(crate) fn composed(self, plan: &Plan<'_>, progress: &dyn Progress) -> Result<(Scene, SynthReport)> {
+        let Self { blank, first, placements, mut report, counted } = self;
+        let mut scene = compose(blank, first, &plan.libraries, placements);
+        if !report.strata.is_empty() {
+            scene.layers = CanvasStrata::drop_empty(std::mem::take(&mut scene.layers));
+        }
+        if let Some(stage) = counted {
+            let found = covered(&plan.libraries[0], &scene, || advance(progress, stage, 2, 2))?;
+            report.categories.iter_mut().zip(found).for_each(|(category, found)| category.got = found);
+        }
+        let report = report.of_scene(&plan.libraries, &scene);
+        Ok((scene, report))
+    }
+}
+
+/// The scene of a plan, with layers but without elements.
+pub(crate) fn blank(plan: &Plan<'_>, layers: Vec<Layer>) -> Scene {
+    let references = plan.libraries.iter().map(Library::reference).collect();
+    let params = &plan.params;
     Scene {
         parameters: Some(params.clone()),
         page: params.page,
         tile: params.tile,
-        domain: controls.domain.clone().map(|outline| Domain { outline, edge: params.edge }),
+        domain: plan.controls.domain.clone().map(|outline| Domain { outline, edge: params.edge }),
         ..Scene::new([params.width, params.height], references, layers)
     }
 }
 
-/// A texture of one drawing: its layers, filled with placements; beside a drawing that stands, one layer of what was made.
-pub(super) fn compose_drawing<'a>(
-    library: &Library,
-    params: &SynthParams,
-    controls: &Controls,
-    placements: impl IntoIterator<Item = Placement<'a>>,
-) -> Scene {
-    let libraries = std::slice::from_ref(library);
-    if controls.context.is_some() {
-        let predicted = Layer { name: Layer::PREDICTED.into(), predicted: true, ..Layer::new(Role::Primary) };
-        let placements = placements.into_iter().map(|p| Placement { layer: 0, ..p });
-        return compose(
-            blank(libraries, params, controls, vec![predicted]),
-            InstanceId(0),
-            libraries,
-            placements,
-        );
-    }
-    let layers = library.layers.iter().map(|own| Layer {
-        name: own.name.clone(),
-        field: own.field.clone(),
-        ..Layer::new(own.role)
-    });
-    compose(blank(libraries, params, controls, layers.collect()), InstanceId(0), libraries, placements)
-}
-
 /// Adds placements to the layers of a scene, in their order. Elements are listed in the order of their first
-/// instance, after those that the scene lists already. New instances are numbered from `first` on.
-pub(crate) fn compose<'a>(
+/// instance, after those that the scene lists already; of these, the ones without an instance are left out. New
+/// instances are numbered from `first` on.
+fn compose(
     mut scene: Scene,
     first: InstanceId,
     libraries: &[Library],
-    placements: impl IntoIterator<Item = Placement<'a>>,
+    placements: Vec<Placement<'_>>,
 ) -> Scene {
     let listing = |(k, library)| Listing::of(LibraryId(k as u32), library, &scene);
     let mut listings: Vec<Listing<'_>> = libraries.iter().enumerate().map(listing).collect();
@@ -94,32 +134,50 @@ pub(crate) fn compose<'a>(
                 Instance { transform, motif, colour, ..fresh(element) }
             }
             What::Made(element) => {
-                let element = scene.add(element.clone());
+                let element = scene.add(*element);
                 Instance { transform, motif, ..fresh(element) }
             }
             What::Kept(instance) => Instance { transform, ..instance.clone() },
         };
         scene.layers[layer].instances.push(instance);
     }
+    scene.drop_unused();
     scene
 }
 
-/// The content of a placed primary, and its transform.
-pub(crate) fn primary<'a>(
-    arrangement: &'a PlacementResult<'_>,
-    placed: &crate::arrange::PlacedElement,
-) -> (What<'a>, [f64; 6]) {
+/// A placed primary in a layer.
+pub(crate) fn primary(
+    arrangement: &PlacementResult<'_>,
+    placed: &PlacedElement,
+    layer: usize,
+) -> Placement<'static> {
     let model = arrangement.cells.model();
     let element = &model[placed.element];
     let known = What::Known(LibraryId(element.library as u32), ElementId(element.index), None);
-    match element.content {
+    let (what, transform) = match element.content {
         // A fused element is stored with its variation applied.
         Content::Fused(fused) => {
-            (What::Made(&model.fused[fused as usize]), at(&Variation::default(), placed.at))
+            let made = model.fused[fused as usize].clone();
+            (What::Made(Box::new(made)), at(&Variation::default(), placed.at))
         }
         Content::Mapped(map) => (known, at(&model.maps[map as usize], placed.at)),
         Content::Known => (known, at(&model.variations[usize::from(placed.variation)], placed.at)),
-    }
+    };
+    Placement { what, transform, layer, motif: None }
+}
+
+/// A placed secondary in a layer.
+pub(crate) fn secondary(
+    plan: &Plan<'_>,
+    arrangement: &PlacementResult<'_>,
+    placed: &PlacedSecondary,
+    layer: usize,
+) -> Placement<'static> {
+    let SecondaryPlace { secondary, at, variation } = placed.place;
+    let source = plan.libraries[placed.library].secondary_id(secondary);
+    let variation = &arrangement.cells.model().variations[usize::from(variation)];
+    let what = What::Known(LibraryId(placed.library as u32), source, Some(placed.colour));
+    Placement { what, transform: self::at(variation, at), layer, motif: None }
 }
 
 /// The transform of a variation at a place of the canvas.

@@ -5,8 +5,10 @@
 //! and seven drawings, which they meet within a factor of two, except for seconds of drawings: a regular one takes less, one
 //! that is not placed by its period may take more.
 
-use super::{is_drawing, method};
-use crate::arrange::controls::Controls;
+use super::methods::chosen;
+use super::period;
+use crate::arrange::Plan;
+use std::borrow::Cow;
 use vtex_scene::library::Library;
 use vtex_scene::scene::{Method, SynthParams};
 
@@ -74,18 +76,14 @@ impl Cost {
         }
         let known = library.elements.iter().map(|element| element.shapes.len()).sum::<usize>() as f64;
         let megapixels = area * library.source.scale[0] * library.source.scale[1] / 1e6;
-        let seconds = if is_drawing(library) {
-            let libraries = std::slice::from_ref(library);
+        let seconds = if library.is_drawing() {
             let [pixels, by_period, by_others] = DRAWING_SECONDS;
-            let each = match method(libraries, params, &Controls::default()) {
-                Ok(Method::Period) => by_period,
-                _ => by_others,
-            };
+            let each = if is_by_period(library, params) { by_period } else { by_others };
             pixels * megapixels.min(FINE.max(area / 1e6)) + each * (named + plain) / 1e3
         } else {
             SECONDS[0] * megapixels + SECONDS[1] * shapes / 1e6
         };
-        let kind = usize::from(is_drawing(library));
+        let kind = usize::from(library.is_drawing());
         let [svg_background, pdf_background] = BACKGROUND_BYTES[kind];
         Self {
             shapes,
@@ -103,4 +101,11 @@ impl Cost {
     pub fn is_heavy(&self, usual: &Self) -> bool {
         self.shapes > MANY.max(HEAVY * usual.shapes)
     }
+}
+
+/// Whether a drawing is placed by its period.
+fn is_by_period(library: &Library, params: &SynthParams) -> bool {
+    let libraries = Cow::Borrowed(std::slice::from_ref(library));
+    let mut plan = Plan { libraries, controls: Cow::default(), params: params.clone(), memory: None };
+    period::applies(&plan) && chosen(&mut plan, &()).is_ok() && plan.params.method == Method::Period
 }

@@ -2,14 +2,16 @@
 
 use super::cell_drawing::CellDrawing;
 use super::cells::cell_texture;
-use super::compose::{Placement, What, compose_drawing};
+use super::compose::{Arranged, Placement, What};
 use super::line_density::thinned;
 use super::line_drawing::{LineDrawing, is_line};
+use super::methods::PlacementMethod;
+use super::refusal::{if_fits, refusal};
 use super::report::{CurveReport, SynthReport};
 use super::samples_picture::graph_picture;
-use super::single_drawing::{refusal, single_drawing};
+use super::single_drawing::single_drawing;
+use crate::arrange::Plan;
 use crate::arrange::context::DrawnContext;
-use crate::arrange::controls::Controls;
 use vtex_base::error::{Error, Result};
 use vtex_base::geometry::plane::PeriodicPlane;
 use vtex_base::geometry::{Affine, Point};
@@ -18,7 +20,7 @@ use vtex_base::sampling::stream;
 use vtex_curves::{CurveContext, CurveGraph, CurveParams, CurveParts, CurveResult, curves, curves_beside};
 use vtex_scene::element::Shape;
 use vtex_scene::library::Library;
-use vtex_scene::scene::{Ablation, Element, Scene, SynthParams};
+use vtex_scene::scene::{Ablation, Element, Method};
 
 /// Longest side of an element between the lines, as a share of the page's shorter one, and largest share that larger ones
 /// may have of the area of all lines and larger elements.
@@ -31,20 +33,56 @@ const SHORT: f64 = 0.5;
 const MEET: f64 = 0.8;
 /// Tolerance of curves, in widths of the thinnest line.
 const TOLERANCE: f64 = 0.04;
-/// The method, and what it is for.
-const METHOD: &str = "curves";
+/// The stage in which a drawing is looked at, and what the method is for.
+const STAGE: &str = "primaries";
 const LINES: &str = "for a drawing of lines, strokes or filled shapes that are long and thin, with small elements between them, \
      or of cells that lie side by side";
 
-/// Whether a library can be made anew: one drawing of lines, without a control that this method does not follow.
-///
-/// # Errors
-/// [`Error::Parameter`] that says what prevents it.
-pub(super) fn check(libraries: &[Library], params: &SynthParams, controls: &Controls) -> Result<()> {
-    let library = single_drawing(libraries, params, controls).map_err(|allowed| refusal(METHOD, allowed))?;
-    if controls.density.is_some() && controls.context.is_some() {
-        return Err(refusal(METHOD, "without a map of densities, beside a drawing that stays"));
+/// Placement by curves, or by cells that come whole.
+pub(super) struct Curves {
+    /// The cells of the drawing, if it is one of cells.
+    cells: Option<CellDrawing>,
+}
+
+impl PlacementMethod for Curves {
+    fn fits(plan: &Plan<'_>, progress: &dyn Progress) -> Result<Self> {
+        let library = single_drawing(plan).map_err(|allowed| refusal(Method::Curves, allowed))?;
+        if plan.controls.density.is_some() && plan.controls.context.is_some() {
+            return Err(refusal(Method::Curves, "without a map of densities, beside a drawing that stays"));
+        }
+        let cells = cells_of(plan, progress)?;
+        if cells.is_some() || is_of_lines(library) {
+            Ok(Self { cells })
+        } else {
+            Err(refusal(Method::Curves, LINES))
+        }
     }
+
+    fn arrange(&self, plan: &Plan<'_>, progress: &dyn Progress) -> Result<Arranged<'static>> {
+        match &self.cells {
+            Some(cells) => cell_texture(plan, cells, progress),
+            None => line_texture(plan, progress),
+        }
+    }
+}
+
+impl Curves {
+    /// A drawing of cells that come in an order of their own.
+    ///
+    /// # Errors
+    /// [`Error::Interrupted`].
+    pub(super) fn of_rearranged_cells(plan: &Plan<'_>, progress: &dyn Progress) -> Result<Option<Self>> {
+        if single_drawing(plan).is_err() {
+            return Ok(None);
+        }
+        let Some(cells) = cells_of(plan, progress)? else { return Ok(None) };
+        let is_rearranged = cells.exemplar.is_rearranged(&|| advance(progress, STAGE, 0, 2));
+        Ok(if_fits(is_rearranged)?.unwrap_or(false).then_some(Self { cells: Some(cells) }))
+    }
+}
+
+/// Whether a drawing has lines and hardly anything else that is large.
+fn is_of_lines(library: &Library) -> bool {
     let (mut lines, mut others) = (0.0, 0.0);
     let largest = LARGEST * f64::from(library.source.width.min(library.source.height));
     for shape in library.primaries().iter().flat_map(|e| &e.shapes) {
@@ -55,11 +93,7 @@ pub(super) fn check(libraries: &[Library], params: &SynthParams, controls: &Cont
             others += shape.area();
         }
     }
-    let is_of_lines = lines > 0.0 && others <= STRAY * (lines + others);
-    if is_of_lines || cells_of(library, controls, &|| Ok(()))?.is_some() {
-        return Ok(());
-    }
-    Err(refusal(METHOD, LINES))
+    lines > 0.0 && others <= STRAY * (lines + others)
 }
 
 /// Whether the lines of a drawing run on, so that it is more than elements side by side.
@@ -87,24 +121,14 @@ pub(super) fn runs_on(library: &Library) -> bool {
     long > LONG * all || lines > SHORT * all && meeting > MEET * count
 }
 
-/// Whether a library is a drawing of cells that come in an order of their own.
-pub(super) fn rearranges_cells(libraries: &[Library], params: &SynthParams, controls: &Controls) -> bool {
-    let go_on = || Ok(());
-    let Ok(library) = single_drawing(libraries, params, controls) else { return false };
-    let cells = cells_of(library, controls, &go_on).ok().flatten();
-    cells.is_some_and(|cells| cells.exemplar.is_rearranged(&go_on).unwrap_or(false))
-}
-
-/// The cells of a library, if it is a drawing of cells and nothing is asked that these do not follow.
-fn cells_of(
-    library: &Library,
-    controls: &Controls,
-    go_on: &dyn Fn() -> Result<()>,
-) -> Result<Option<CellDrawing>> {
-    if controls.density.is_some() || controls.context.is_some() {
+/// The cells of the only library of a plan, if it is a drawing of cells and nothing is asked that these do not follow.
+fn cells_of(plan: &Plan<'_>, progress: &dyn Progress) -> Result<Option<CellDrawing>> {
+    if plan.controls.density.is_some() || plan.controls.context.is_some() {
         return Ok(None);
     }
-    CellDrawing::of(library, page(library, library.arrangement.periodic), go_on)
+    let library = &plan.libraries[0];
+    let page = page(library, library.arrangement.periodic);
+    CellDrawing::of(library, page, &|| advance(progress, STAGE, 0, 2))
 }
 
 /// The page of a library.
@@ -117,18 +141,12 @@ fn page(library: &Library, periodic: bool) -> PeriodicPlane {
 ///
 /// # Errors
 /// As [`curves`], and those of `progress`.
-pub(super) fn synthesize(
-    library: &Library,
-    params: &SynthParams,
-    controls: &Controls,
-    progress: &dyn Progress,
-) -> Result<(Scene, SynthReport)> {
+fn line_texture(plan: &Plan<'_>, progress: &dyn Progress) -> Result<Arranged<'static>> {
+    let Plan { params, controls, .. } = plan;
+    let library = &plan.libraries[0];
     let go_on = || advance(progress, "curves", 0, 2);
     go_on()?;
     let periodic = library.arrangement.periodic;
-    if let Some(cells) = cells_of(library, controls, &go_on)? {
-        return cell_texture(library, &cells, (params, controls), progress);
-    }
     // What is drawn beside has layers and categories of its own.
     let by_look = controls.context.is_some();
     let mut drawing = LineDrawing::new(library, page(library, periodic), by_look, &go_on)?;
@@ -161,7 +179,7 @@ pub(super) fn synthesize(
         None => curves(&graph, &asked, &go_on)?,
     };
     if found.curves.is_empty() {
-        return Err(refusal(METHOD, LINES));
+        return Err(refusal(Method::Curves, LINES));
     }
     advance(progress, "curves", 1, 2)?;
     for (number, level) in found.levels.iter().enumerate() {
@@ -182,15 +200,13 @@ pub(super) fn synthesize(
         found.curves = thinned(std::mem::take(&mut found.curves), plane, density, &go_on)?;
     }
     found.curves.sort_by_key(|c| (drawing.styles[c.style as usize].layer, c.style));
-    let elements: Vec<(Element, Point, usize)> =
-        found.curves.iter().filter_map(|curve| drawing.element(curve)).collect();
-    let params = SynthParams { variation: Some(asked.variation), ..params.clone() };
-    let lines = elements.iter().map(|(element, at, layer)| Placement {
-        what: What::Made(element),
+    let line = |(element, at, layer): (Element, Point, usize)| Placement {
+        what: What::Made(Box::new(element)),
         transform: Affine::translate(at.to_vec2()).as_coeffs(),
-        layer: *layer,
+        layer,
         motif: None,
-    });
+    };
+    let lines = found.curves.iter().filter_map(|curve| drawing.element(curve)).map(line);
     let between = |below: bool| {
         let drawing = &drawing;
         found.elements.iter().filter_map(move |placed| {
@@ -198,19 +214,14 @@ pub(super) fn synthesize(
             (element.is_below(&drawing.styles) == below).then(|| element.placed(placed.at))
         })
     };
-    let placements = between(true).chain(lines).chain(between(false));
-    let libraries = std::slice::from_ref(library);
-    let scene = compose_drawing(library, &params, controls, placements);
-    let mut categories = drawing.covered(library, &found, &params);
+    let placements = between(true).chain(lines).chain(between(false)).collect();
     let share = controls.context.as_ref().map_or(mean_density, |context| context.share(canvas));
-    categories.iter_mut().for_each(|c| c.wanted *= share);
     advance(progress, "curves", 2, 2)?;
     let report = SynthReport {
-        coverage_wanted: share * library.coverage,
         curves: Some(report(&found, controls.context.is_some())),
-        ..SynthReport::of_scene(libraries, &scene, categories)
+        ..SynthReport::of_drawing(library, share, Some(drawing.covered(library, &found, params)))
     };
-    Ok((scene, report))
+    Ok(Arranged::of_drawing(plan, asked.variation, placements, report))
 }
 
 /// Curves in the region of a context, in the styles of a drawing.

@@ -5,7 +5,6 @@
 
 use super::compose::{Placement, What};
 use super::page_raster::PageRaster;
-use super::report::CategoryReport;
 use vtex_base::error::Result;
 use vtex_base::geometry::plane::PeriodicPlane;
 use vtex_base::geometry::{Affine, Curve, PathEl, Point, rounded};
@@ -168,13 +167,8 @@ impl LineDrawing {
     }
 
     /// Share of the canvas that the lines and elements of each category cover, lines by their lengths times their
-    /// widths, as against the exemplar's.
-    pub(super) fn covered(
-        &self,
-        library: &Library,
-        found: &CurveResult,
-        params: &SynthParams,
-    ) -> Vec<CategoryReport> {
+    /// widths.
+    pub(super) fn covered(&self, library: &Library, found: &CurveResult, params: &SynthParams) -> Vec<f64> {
         let mut areas = vec![0.0; library.categories.len()];
         let of_curve = |curve: &TracedCurve| {
             let style = &self.styles[curve.style as usize];
@@ -193,7 +187,7 @@ impl LineDrawing {
             }
         }
         let canvas = size[0] * size[1];
-        CategoryReport::of(library, areas.into_iter().map(|made| (made / canvas).min(1.0)))
+        areas.into_iter().map(|made| (made / canvas).min(1.0)).collect()
     }
 
     /// The number of the style that looks most like another.
@@ -265,10 +259,10 @@ impl ElementBetween {
     }
 
     /// It with its middle at a place of a layer.
-    pub(super) fn placed(&self, at: [f64; 2]) -> Placement<'_> {
+    pub(super) fn placed(&self, at: [f64; 2]) -> Placement<'static> {
         let what = match &self.content {
             BetweenContent::Whole(element) => What::Known(LibraryId(0), *element, None),
-            BetweenContent::Part(element) => What::Made(element),
+            BetweenContent::Part(element) => What::Made(element.clone()),
         };
         let by = Affine::translate((at[0] - self.at[0], at[1] - self.at[1]));
         Placement { what, transform: rounded(by * self.transform), layer: self.layer, motif: None }

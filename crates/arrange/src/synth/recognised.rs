@@ -6,7 +6,7 @@ use crate::arrange::context::DrawnContext;
 use vtex_base::geometry::plane::{PeriodicPlane, PointIndex};
 use vtex_base::geometry::{Affine, Interior, Outline, Point, Rect};
 use vtex_base::raster::colour::Colour;
-use vtex_cluster::{ClusterContext, ClusterExemplar, Figure, FigurePlace};
+use vtex_cluster::{ClusterContext, Figure, FigurePlace};
 use vtex_scene::element::Shape;
 use vtex_scene::library::Library;
 
@@ -16,6 +16,46 @@ const OFF: f64 = 0.004;
 const OFF_PIXELS: f64 = 1.0;
 const OFF_AREA: f64 = 0.06;
 const OFF_COLOUR: f64 = 0.02;
+
+/// A drawing that stands, as clusters know it.
+pub(super) struct StandingDrawing {
+    pub(super) context: ClusterContext,
+    /// How many of its elements are the library's.
+    pub(super) recognised: usize,
+    /// Whether each shape stays, in painting order: those of elements whose middle lies in a region that is made anew do
+    /// not. What lies beyond the canvas counts as the nearest place on it.
+    pub(super) is_kept: Vec<bool>,
+}
+
+impl StandingDrawing {
+    /// Recognises the elements of a library in the drawing of a context.
+    pub(super) fn new(library: &ClusteredDrawing, context: &DrawnContext, canvas: [f64; 2]) -> Self {
+        let shapes = shapes(&context.drawing);
+        let region = Interior::new(&context.region);
+        let (mut figures, mut places, mut recognised) = (Vec::new(), Vec::new(), 0);
+        let mut is_kept = vec![true; shapes.len()];
+        for element in self::recognised(library, &context.drawing, &shapes) {
+            let [x, y] = element.at;
+            if context.anew && region.contains_on(canvas, Point::new(x, y)) {
+                element.shapes.iter().for_each(|s| is_kept[*s] = false);
+                continue;
+            }
+            recognised += usize::from(element.figure.is_some());
+            let figure = element.figure.unwrap_or_else(|| {
+                let moved = Affine::translate((-x, -y));
+                let outlines: Vec<Outline> =
+                    element.shapes.iter().map(|s| shapes[*s].outline.moved(moved)).collect();
+                let colour = oklab(shapes[element.shapes[0]].colour);
+                figures.push(Figure { outlines, category: 0, colour });
+                (library.exemplar.figures.len() + figures.len()) as u32 - 1
+            });
+            places.push(FigurePlace { figure, at: element.at, placeable: true });
+        }
+        let (region, source) = (context.region.clone(), context.source.clone());
+        let context = ClusterContext { figures, places, region, source };
+        Self { context, recognised, is_kept }
+    }
+}
 
 /// What a shape is recognised by.
 pub(super) struct ShapeLook {
@@ -40,13 +80,18 @@ impl ShapeLook {
 }
 
 /// An element of a drawing.
-pub(super) struct RecognisedElement {
+struct RecognisedElement {
     /// Indices of its shapes in the drawing's painting order.
-    pub(super) shapes: Vec<usize>,
+    shapes: Vec<usize>,
     /// The figure of the library that it is; `None` for a shape that is none.
     figure: Option<u32>,
     /// Its reference point.
-    pub(super) at: [f64; 2],
+    at: [f64; 2],
+}
+
+/// The page of a drawing that stands.
+fn page(drawing: &Library) -> PeriodicPlane {
+    PeriodicPlane { size: [drawing.source.width, drawing.source.height].map(f64::from), wraps: [false; 2] }
 }
 
 /// The shapes of a drawing in its painting order.
@@ -63,17 +108,12 @@ fn shapes(drawing: &Library) -> Vec<Shape> {
 }
 
 /// The elements of a drawing: those of the library, of as many shapes as possible, then the other shapes one by one.
-pub(super) fn recognised(library: &ClusteredDrawing, drawing: &Library) -> Vec<RecognisedElement> {
+fn recognised(library: &ClusteredDrawing, drawing: &Library, shapes: &[Shape]) -> Vec<RecognisedElement> {
     let [w, h] = library.exemplar.page.size;
     let off = (OFF * 0.5 * (w + h)).max(OFF_PIXELS);
-    let looks: Vec<ShapeLook> =
-        shapes(drawing).iter().map(|shape| ShapeLook::of(shape, Affine::IDENTITY)).collect();
+    let looks: Vec<ShapeLook> = shapes.iter().map(|shape| ShapeLook::of(shape, Affine::IDENTITY)).collect();
     let middles: Vec<[f64; 2]> = looks.iter().map(|look| place(look.bounds.center())).collect();
-    let page = PeriodicPlane {
-        size: [drawing.source.width, drawing.source.height].map(f64::from),
-        wraps: [false; 2],
-    };
-    let index = PointIndex::new(page, 8.0 * off, &middles);
+    let index = PointIndex::new(page(drawing), 8.0 * off, &middles);
     let mut is_taken = vec![false; looks.len()];
     let mut found = Vec::new();
     let mut order: Vec<usize> = (0..library.looks.len()).collect();
@@ -114,46 +154,4 @@ fn place(p: Point) -> [f64; 2] {
 
 pub(super) fn oklab(colour: Colour) -> [f64; 3] {
     colour.to_oklab().map(f64::from)
-}
-
-/// A context for clusters, and how many of its elements are the library's.
-pub(super) fn cluster_context(library: &ClusteredDrawing, context: &DrawnContext) -> (ClusterContext, usize) {
-    let shapes = shapes(&context.drawing);
-    let mut figures = library.exemplar.figures.clone();
-    let mut places = Vec::new();
-    let found = recognised(library, &context.drawing);
-    for element in &found {
-        let figure = element.figure.unwrap_or_else(|| {
-            let moved = Affine::translate((-element.at[0], -element.at[1]));
-            let outlines: Vec<Outline> =
-                element.shapes.iter().map(|s| shapes[*s].outline.moved(moved)).collect();
-            let colour = oklab(shapes[element.shapes[0]].colour);
-            figures.push(Figure { outlines, category: 0, colour });
-            figures.len() as u32 - 1
-        });
-        places.push(FigurePlace { figure, at: element.at, placeable: true });
-    }
-    let size = [context.drawing.source.width, context.drawing.source.height].map(f64::from);
-    let page = PeriodicPlane { size, wraps: [false; 2] };
-    let drawing = ClusterExemplar { page, figures, places };
-    let context = ClusterContext { drawing, region: context.region.clone(), source: context.source.clone() };
-    (context, found.iter().filter(|e| e.figure.is_some()).count())
-}
-
-/// A context without the elements of its drawing whose middle lies in the region. What lies beyond a canvas of a width and
-/// height counts as the nearest place on it.
-pub(super) fn without_region(
-    library: &ClusteredDrawing,
-    context: &DrawnContext,
-    canvas: [u32; 2],
-) -> DrawnContext {
-    let region = Interior::new(&context.region);
-    let mut is_kept = vec![true; shapes(&context.drawing).len()];
-    for element in recognised(library, &context.drawing) {
-        let at = Point::new(element.at[0], element.at[1]);
-        if region.contains_on(canvas.map(f64::from), at) {
-            element.shapes.iter().for_each(|s| is_kept[*s] = false);
-        }
-    }
-    context.keeping(&is_kept)
 }

@@ -1,15 +1,15 @@
 //! The report of a synthesis: how close a scene is to its exemplar.
 
 use super::strata::StratumReport;
-use crate::arrange::PlacementResult;
 use crate::arrange::correspondence::Structure;
+use crate::arrange::{PlacementResult, Plan};
 use serde::Serialize;
 use vtex_scene::library::{Category, Library};
 use vtex_scene::scene::{Method, Role, Scene};
 use vtex_scene::statistics::{Overlap, Repetition};
 
 /// Coverage wanted and reached, and the steps taken. Shares are of the canvas, 0 to 1.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct SynthReport {
     /// Share of the canvas that primaries should cover. For one library without maps and domain it is the
     /// exemplar's.
@@ -110,7 +110,7 @@ pub struct ClusterReport {
 }
 
 /// Coverage of one category.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct CategoryReport {
     /// Share wanted of the canvas.
     pub wanted: f64,
@@ -118,68 +118,60 @@ pub struct CategoryReport {
     pub got: f64,
 }
 
-impl CategoryReport {
-    /// The coverage of each category of a library, of which the exemplar's share is wanted.
-    pub(super) fn of(library: &Library, got: impl IntoIterator<Item = f64>) -> Vec<Self> {
-        let wanted = library.categories.iter().map(|c| c.coverage);
-        wanted.zip(got).map(|(wanted, got)| Self { wanted, got }).collect()
-    }
-}
-
 impl SynthReport {
-    /// The report of any scene, given the coverage of its categories, without figures of placement.
-    pub(super) fn of_scene(libraries: &[Library], scene: &Scene, categories: Vec<CategoryReport>) -> Self {
-        // An empty sum of floats is -0; folding from 0 avoids it.
-        let sum = |of: fn(&CategoryReport) -> f64| categories.iter().map(of).fold(0.0, |sum, v| sum + v);
-        Self {
-            coverage_wanted: sum(|c| c.wanted),
-            coverage: sum(|c| c.got),
-            categories,
-            strata: Vec::new(),
-            primaries: scene.of_role(Role::Primary).count(),
-            textons: scene.elements.iter().filter(|e| e.category.is_some()).count(),
-            secondaries: scene.of_role(Role::Secondary).count(),
-            control_points: scene.layers.iter().flat_map(|l| &l.field).map(|f| f.points.len()).sum(),
-            attempts: 0,
-            refused: 0,
-            removed: 0,
-            added: 0,
-            method: scene.parameters.as_ref().map_or(Method::Descriptor, |p| p.method),
-            structure: None,
-            overlap: Overlap::of_scene(scene, libraries),
-            repetition: Repetition::of_scene(scene, libraries),
-            period: None,
-            clusters: None,
-            curves: None,
-        }
+    /// What is to be said of a drawing before it is composed: `share` of what the exemplar covers is wanted, and the
+    /// categories cover `got`; nothing yet where it is counted in the scene.
+    pub(super) fn of_drawing(library: &Library, share: f64, got: Option<Vec<f64>>) -> Self {
+        let mut got = got.unwrap_or_default().into_iter();
+        let category =
+            |c: &Category| CategoryReport { wanted: share * c.coverage, got: got.next().unwrap_or(0.0) };
+        let categories = library.categories.iter().map(category).collect();
+        Self { coverage_wanted: share * library.coverage, categories, ..Self::default() }
     }
 
-    /// The report of a scene that was composed of an arrangement.
-    pub(crate) fn of_arrangement(
-        libraries: &[Library],
-        arrangement: &PlacementResult<'_>,
-        scene: &Scene,
-    ) -> Self {
+    /// What is to be said of elements placed one by one, before they are composed.
+    pub(crate) fn of_arrangement(plan: &Plan<'_>, arrangement: &PlacementResult<'_>) -> Self {
         let PlacementResult { cells: map, descriptors, correction, .. } = arrangement;
-        let canvas = f64::from(scene.width) * f64::from(scene.height);
+        let canvas = f64::from(plan.params.width) * f64::from(plan.params.height);
         let wanted = map.region.wanted(map.model());
         let wanted = |c: usize| wanted.iter().map(|zone| zone[c]).sum::<f64>() / canvas;
-        let plain = libraries.len() == 1 && map.region.is_plain();
+        let plain = plan.libraries.len() == 1 && map.region.is_plain();
         let category = |(c, category): (usize, &Category)| CategoryReport {
             // If only the exemplar sets the target, elements that cannot be placed count too.
             wanted: if plain { category.coverage } else { wanted(c) },
             got: map.covered_by(c) as f64 / canvas,
         };
-        let all = libraries.iter().flat_map(|l| &l.categories);
-        let report = Self::of_scene(libraries, scene, all.enumerate().map(category).collect());
+        let all = plan.libraries.iter().flat_map(|l| &l.categories);
+        let categories: Vec<CategoryReport> = all.enumerate().map(category).collect();
         Self {
-            coverage_wanted: if plain { libraries[0].coverage } else { report.coverage_wanted },
+            coverage_wanted: if plain { plan.libraries[0].coverage } else { sum(&categories, |c| c.wanted) },
+            categories,
             attempts: descriptors.attempts,
             refused: descriptors.refused,
             removed: correction.removed,
             added: correction.added,
             structure: arrangement.structure,
-            ..report
+            ..Self::default()
         }
     }
+
+    /// The report with what its scene shows.
+    pub(super) fn of_scene(self, libraries: &[Library], scene: &Scene) -> Self {
+        Self {
+            coverage: sum(&self.categories, |c| c.got),
+            primaries: scene.of_role(Role::Primary).count(),
+            textons: scene.elements.iter().filter(|e| e.category.is_some()).count(),
+            secondaries: scene.of_role(Role::Secondary).count(),
+            control_points: scene.layers.iter().flat_map(|l| &l.field).map(|f| f.points.len()).sum(),
+            method: scene.parameters.as_ref().map_or(Method::Descriptor, |p| p.method),
+            overlap: Overlap::of_scene(scene, libraries),
+            repetition: Repetition::of_scene(scene, libraries),
+            ..self
+        }
+    }
+}
+
+/// A sum over categories. An empty sum of floats is -0; folding from 0 avoids it.
+fn sum(categories: &[CategoryReport], of: fn(&CategoryReport) -> f64) -> f64 {
+    categories.iter().map(of).fold(0.0, |sum, v| sum + v)
 }

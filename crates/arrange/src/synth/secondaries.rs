@@ -10,10 +10,11 @@
 //! Works badly where secondaries form structures larger than a cell, because these are cut.
 
 use super::neighbourhoods::ExemplarSecondaries;
-use crate::arrange::correspondence::{CopiedSecondary, Correspondence};
+use crate::arrange::correspondence::{Correspondence, SecondaryPlace};
 use crate::arrange::occupancy::Occupancy;
 use crate::arrange::sites::{Sites, scattered};
 use crate::arrange::variation::Variation;
+use crate::arrange::{PlacementResult, Plan};
 use vtex_base::geometry::Point;
 use vtex_base::parallel;
 use vtex_base::raster::colour::Colour;
@@ -41,88 +42,69 @@ const SPOT_STEP: f64 = 12.0;
 pub(crate) struct PlacedSecondary {
     /// Index of its library.
     pub(crate) library: usize,
-    /// Index among the library's secondaries.
-    pub(crate) secondary: u32,
-    /// Position of its origin, in whole pixels.
-    pub(crate) at: [i32; 2],
-    /// Index of its variation in the model.
-    pub(crate) variation: u16,
+    pub(crate) place: SecondaryPlace,
     /// Its colour.
     pub(crate) colour: Colour,
-}
-
-/// A secondary of one library and its position, before it has a colour.
-#[derive(Clone, Copy)]
-struct SecondaryPlace {
-    secondary: u32,
-    at: [i32; 2],
-    variation: u16,
 }
 
 /// Places secondaries. Each has the colour of the background beneath it plus its own difference. Their
 /// number per area of background is the exemplar's, times the density map. Those hidden by primaries are
 /// left out.
 pub(crate) fn place(
-    libraries: &[Library],
-    map: &Occupancy<'_>,
+    plan: &Plan<'_>,
+    arrangement: &PlacementResult<'_>,
     field: &Interpolant,
-    correspondence: Option<&Correspondence>,
-    params: &SynthParams,
 ) -> Vec<PlacedSecondary> {
+    let (params, map) = (&plan.params, &arrangement.cells);
     if params.without(Ablation::Secondary) {
         return Vec::new();
     }
-    let came = correspondence.map_or_else(Vec::new, |c| copied(libraries, map, c, params.seed));
+    let correspondence = arrangement.correspondence.as_ref();
+    let came = correspondence.map_or_else(Vec::new, |c| copied(plan, map, c));
     if map.region.all_carried() {
         return came;
     }
-    let parts = SecondaryRegions::new(libraries, map, params.seed);
+    let parts = SecondaryRegions::new(plan, map);
     let mut placed = Vec::new();
-    for (number, library) in libraries.iter().enumerate() {
+    for (number, library) in plan.libraries.iter().enumerate() {
         let Some(radius) = radius(library) else { continue };
         let task = SecondaryTask { number, library, map, radius, params };
         placed.extend(task.places(&parts).into_iter().map(|place| task.placed(place)));
     }
-    let mut placed = painted(libraries, placed, field, params);
+    let mut placed = painted(plan, placed, field);
     placed.extend(came);
-    placed.sort_by_key(|p| p.painting_key(libraries));
+    placed.sort_by_key(|p| p.painting_key(plan));
     placed
 }
 
 /// Secondaries copied along the correspondence field. They keep their exemplar colours, because the
 /// background beneath them is copied too.
-fn copied(
-    libraries: &[Library],
-    map: &Occupancy<'_>,
-    correspondence: &Correspondence,
-    seed: u64,
-) -> Vec<PlacedSecondary> {
+fn copied(plan: &Plan<'_>, map: &Occupancy<'_>, correspondence: &Correspondence) -> Vec<PlacedSecondary> {
     let mut placed = Vec::new();
-    let mut random = stream(seed, "correspondence/secondaries", 0);
-    for (number, library) in libraries.iter().enumerate() {
+    let mut random = stream(plan.params.seed, "correspondence/secondaries", 0);
+    for (number, library) in plan.libraries.iter().enumerate() {
         let samples: Vec<Vec<[f64; 2]>> = library.secondaries().iter().map(samples).collect();
-        let placed_at = |CopiedSecondary { secondary, at, variation }| {
-            let own = &library.secondaries()[secondary as usize];
+        let placed_at = |place: SecondaryPlace| {
+            let own = &library.secondaries()[place.secondary as usize];
             let colour =
                 if own.base().is_soft() { own.colour } else { coarse(own.colour.to_f64(), COLOUR_STEP) };
-            PlacedSecondary { library: number, secondary, at, variation, colour }
+            PlacedSecondary { library: number, place, colour }
         };
         let arrived = correspondence.secondaries(library, number, map.model());
         let mut came: Vec<PlacedSecondary> = arrived.into_iter().map(placed_at).collect();
         if !map.region.is_plain() {
             came.retain(|p| {
-                let level = map.region.density(p.at.map(f64::from));
-                is_served(map, p.at) && (level >= 1.0 || random.chance(level))
+                let level = map.region.density(p.place.at.map(f64::from));
+                is_served(map, p.place.at) && (level >= 1.0 || random.chance(level))
             });
         }
         let seen = |p: &PlacedSecondary| {
-            let place = SecondaryPlace { secondary: p.secondary, at: p.at, variation: p.variation };
-            visible(map, &samples[p.secondary as usize], &place) >= LEAST_VISIBLE
+            visible(map, &samples[p.place.secondary as usize], &p.place) >= LEAST_VISIBLE
         };
         let seen = parallel::map(&came, seen).into_iter();
         placed.extend(came.into_iter().zip(seen).filter(|c| c.1).map(|c| c.0));
     }
-    placed.sort_by_key(|p| p.painting_key(libraries));
+    placed.sort_by_key(|p| p.painting_key(plan));
     placed
 }
 
@@ -136,17 +118,16 @@ fn is_served(map: &Occupancy<'_>, at: [i32; 2]) -> bool {
 /// to the range of the exemplar's secondaries: dark flecks of a pale background would become too dark on a
 /// dark one.
 pub(crate) fn painted(
-    libraries: &[Library],
+    plan: &Plan<'_>,
     placed: Vec<PlacedSecondary>,
     field: &Interpolant,
-    params: &SynthParams,
 ) -> Vec<PlacedSecondary> {
-    let is_matched = !params.without(Ablation::Matching);
-    let tones: Vec<[[f64; 2]; 3]> = libraries.iter().map(tones).collect();
+    let is_matched = !plan.params.without(Ablation::Matching);
+    let tones: Vec<[[f64; 2]; 3]> = plan.libraries.iter().map(tones).collect();
     parallel::map(&placed, |p| {
-        let secondary = &libraries[p.library].secondaries()[p.secondary as usize];
+        let secondary = &plan.libraries[p.library].secondaries()[p.place.secondary as usize];
         let difference = secondary.difference.unwrap_or_default();
-        let background = field.at(f64::from(p.at[0]), f64::from(p.at[1]));
+        let background = field.at(f64::from(p.place.at[0]), f64::from(p.place.at[1]));
         let matched = |c: usize| {
             let [least, most] = tones[p.library][c];
             (background[c] + f64::from(difference[c])).clamp(least, most)
@@ -175,12 +156,13 @@ impl PlacedSecondary {
     /// Sort key for painting. Soft ones lie below, in the order of the exemplar. Others hardly overlap, so
     /// their order is nearly free: equal fills are adjacent, which makes files smaller, and the order of
     /// fills is random, so that no tone is always on top.
-    pub(crate) fn painting_key(&self, libraries: &[Library]) -> impl Ord + use<> {
-        let is_soft = libraries[self.library].secondaries()[self.secondary as usize].base().is_soft();
+    pub(crate) fn painting_key(&self, plan: &Plan<'_>) -> impl Ord + use<> {
+        let SecondaryPlace { secondary, at, .. } = self.place;
+        let is_soft = plan.libraries[self.library].secondaries()[secondary as usize].base().is_soft();
         let [r, g, b] = self.colour.0.map(u32::from);
         let colour = (r << 16 | g << 8 | b).wrapping_mul(0x9e37_79b1);
-        let order = if is_soft { self.secondary } else { colour };
-        (!is_soft, order, self.at[1], self.at[0], self.library, self.secondary)
+        let order = if is_soft { secondary } else { colour };
+        (!is_soft, order, at[1], at[0], self.library, secondary)
     }
 }
 
@@ -192,12 +174,12 @@ struct SecondaryRegions {
 
 impl SecondaryRegions {
     /// Divides the canvas into cells the size of a neighbourhood, and draws the library of each by its share.
-    fn new(libraries: &[Library], map: &Occupancy<'_>, seed: u64) -> Self {
-        let reach = libraries.iter().filter_map(radius).fold(f64::INFINITY, f64::min) * CELL;
-        if libraries.len() < 2 || !reach.is_finite() {
+    fn new(plan: &Plan<'_>, map: &Occupancy<'_>) -> Self {
+        let reach = plan.libraries.iter().filter_map(radius).fold(f64::INFINITY, f64::min) * CELL;
+        if plan.libraries.len() < 2 || !reach.is_finite() {
             return Self { sites: None };
         }
-        let mut random = stream(seed, "synth/secondaries/lands", 0);
+        let mut random = stream(plan.params.seed, "synth/secondaries/lands", 0);
         let sites = scattered(&map.grid, reach, reach, &mut random);
         let library = |p: &[i32; 2]| map.region.draw_library(p.map(f64::from), &mut random);
         let of = sites.centres().to_vec().iter().map(library).collect();
@@ -221,8 +203,8 @@ struct SecondaryTask<'t, 'a> {
 
 impl SecondaryTask<'_, '_> {
     /// A placed secondary without a colour yet.
-    fn placed(&self, SecondaryPlace { secondary, at, variation }: SecondaryPlace) -> PlacedSecondary {
-        PlacedSecondary { library: self.number, secondary, at, variation, colour: Colour([0; 3]) }
+    fn placed(&self, place: SecondaryPlace) -> PlacedSecondary {
+        PlacedSecondary { library: self.number, place, colour: Colour([0; 3]) }
     }
 
     fn places(&self, parts: &SecondaryRegions) -> Vec<SecondaryPlace> {
@@ -364,11 +346,7 @@ impl<'t, 'a> SecondaryFinder<'t, 'a> {
     }
 
     /// Whether enough of a secondary is visible.
-    pub(crate) fn fits(&self, p: &PlacedSecondary) -> bool {
-        self.is_visible(&SecondaryPlace { secondary: p.secondary, at: p.at, variation: p.variation })
-    }
-
-    fn is_visible(&self, place: &SecondaryPlace) -> bool {
+    pub(crate) fn is_visible(&self, place: &SecondaryPlace) -> bool {
         visible(self.task.map, &self.samples[place.secondary as usize], place) >= LEAST_VISIBLE
     }
 

@@ -1,18 +1,14 @@
 //! What the methods that make a drawing anew as a whole are for.
 
-use crate::arrange::controls::Controls;
-use vtex_base::error::Error;
-use vtex_scene::library::{Library, SourceKind};
-use vtex_scene::scene::{Edge, SynthParams};
+use crate::arrange::Plan;
+use vtex_scene::library::Library;
+use vtex_scene::scene::Edge;
 
 /// The only library, a drawing, if nothing is asked that these methods do not follow; else what they are for.
-pub(super) fn single_drawing<'a>(
-    libraries: &'a [Library],
-    params: &SynthParams,
-    controls: &Controls,
-) -> Result<&'a Library, &'static str> {
-    let [library] = libraries else { return Err("for a single library") };
-    if library.source.kind != SourceKind::Drawing || library.is_layered() {
+pub(super) fn single_drawing<'a>(plan: &'a Plan<'_>) -> Result<&'a Library, &'static str> {
+    let Plan { params, controls, .. } = plan;
+    let [library] = &*plan.libraries else { return Err("for a single library") };
+    if !library.is_drawing() || library.is_layered() {
         return Err("for a drawing");
     }
     if params.varies() || controls.structure.is_some() {
@@ -27,23 +23,21 @@ pub(super) fn single_drawing<'a>(
     Ok(library)
 }
 
-/// What is said where a method is not for something.
-pub(super) fn refusal(method: &str, allowed: &'static str) -> Error {
-    Error::Parameter { name: "method", value: method.into(), allowed: allowed.into() }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::borrow::Cow;
     use vtex_base::raster::LabelMap;
-    use vtex_scene::library::testing;
+    use vtex_scene::library::{SourceKind, testing};
+    use vtex_scene::scene::SynthParams;
 
     #[test]
     fn what_these_methods_do_not_follow_is_refused() {
         let mut drawing = testing::library(&LabelMap::filled(60, 60, 0));
         drawing.source.kind = SourceKind::Drawing;
         let of = |params: SynthParams| {
-            single_drawing(std::slice::from_ref(&drawing), &params, &Controls::default()).err()
+            let libraries = Cow::Borrowed(std::slice::from_ref(&drawing));
+            single_drawing(&Plan { libraries, controls: Cow::default(), params, memory: None }).err()
         };
         let plain = SynthParams::default;
         assert_eq!(of(plain()), None);

@@ -16,10 +16,10 @@ mod near;
 
 use super::backdrop::{Backdrop, BackgroundPart};
 use super::secondaries::PlacedSecondary;
-use crate::arrange::PlacementResult;
-use crate::arrange::controls::{Controls, StructureGuide};
+use crate::arrange::controls::StructureGuide;
 use crate::arrange::correspondence::Correspondence;
 use crate::arrange::model::PlaceableId;
+use crate::arrange::{PlacementResult, Plan};
 use near::NearbyPlaces;
 use serde::Serialize;
 use vtex_base::error::Result;
@@ -81,15 +81,14 @@ impl CanvasStrata {
     /// The strata of an arrangement; `None` for a homogeneous library, several libraries, or an arrangement
     /// without a correspondence field. `field` is the background of the whole canvas.
     pub(super) fn new(
-        libraries: &[Library],
-        controls: &Controls,
+        plan: &Plan<'_>,
         arrangement: &PlacementResult<'_>,
         field: &Field,
-        params: &SynthParams,
     ) -> Result<Option<Self>> {
-        let ([library], Some(correspondence)) = (libraries, &arrangement.correspondence) else {
+        let ([library], Some(correspondence)) = (&*plan.libraries, &arrangement.correspondence) else {
             return Ok(None);
         };
+        let params = &plan.params;
         if !library.is_layered() {
             return Ok(None);
         }
@@ -97,7 +96,7 @@ impl CanvasStrata {
         if exemplar.shares().iter().filter(|&&share| share > 0.0).count() < 2 {
             return Ok(None);
         }
-        let map = map(&exemplar, correspondence, arrangement, controls, params)?;
+        let map = map(&exemplar, correspondence, arrangement, plan)?;
         let of_elements = library.strata_of_elements();
         let least = LayerMap::least_element([library.source.width, library.source.height]);
         let wanted = map.shares();
@@ -122,7 +121,7 @@ impl CanvasStrata {
 
     /// The stratum of a secondary.
     pub(super) fn of_secondary(&self, placed: &PlacedSecondary) -> usize {
-        self.at(placed.at)
+        self.at(placed.place.at)
     }
 
     /// The stratum of a primary at a place of the canvas.
@@ -259,12 +258,12 @@ fn map(
     exemplar: &LayerMap,
     correspondence: &Correspondence,
     arrangement: &PlacementResult<'_>,
-    controls: &Controls,
-    params: &SynthParams,
+    plan: &Plan<'_>,
 ) -> Result<LayerMap> {
+    let params = &plan.params;
     let size = [params.width, params.height];
     let wrap = [params.tile.x, params.tile.y];
-    if let Some(StructureGuide::Strata(given)) = &controls.structure {
+    if let Some(StructureGuide::Strata(given)) = &plan.controls.structure {
         let nested = LayerExemplar { map: exemplar, photograph: None };
         return nested.separated(&stretched(given, size), wrap);
     }

@@ -1,6 +1,8 @@
 //! Properties of whole synthesised scenes.
 
-use super::{Controls, SynthReport, reconstruct, synthesize, synthesize_with};
+use super::{
+    Controls, SynthReport, SynthesisMemory, reconstruct, synthesize, synthesize_again, synthesize_with,
+};
 use crate::arrange::model::{PlaceableId, PlacementModel};
 use std::collections::BTreeSet;
 use vtex_base::document::Document;
@@ -276,6 +278,20 @@ fn reconstruction_is_the_exemplar() {
         let element = scene.element(instance);
         let moved = instance.affine() * element.outline().path();
         assert_eq!(vtex_base::geometry::Outline::new(&moved), Some(p.outline().clone()));
+    }
+}
+
+#[test]
+fn a_scene_does_not_depend_on_what_was_made_before() {
+    let libraries = [1, 2].map(|seed| [vtex_scene::library::testing::guided(&mosaic(120, 14.0, 0.6, seed))]);
+    let memory = SynthesisMemory::default();
+    for (k, width, seed) in [(0, 90, 1), (0, 160, 1), (0, 90, 5), (1, 90, 1), (0, 90, 1)] {
+        let params = SynthParams { width, height: 100, seed, ..SynthParams::default() };
+        let controls = Controls::default();
+        let again = synthesize_again(&libraries[k], &params, &controls, &memory, &()).unwrap();
+        let fresh = synthesize_with(&libraries[k], &params, &controls, &()).unwrap();
+        assert!(again.1.structure.is_some());
+        assert!(again.0.to_json() == fresh.0.to_json(), "{k} {width} {seed}");
     }
 }
 

@@ -24,10 +24,12 @@ mod tests;
 
 pub use document::TunedWeights;
 
-use crate::synth::primaries_alone;
+use crate::arrange::Plan;
+use crate::synth::one_by_one::primaries;
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use vtex_base::Parameter;
 use vtex_base::error::Result;
 use vtex_base::parallel;
@@ -36,10 +38,8 @@ use vtex_base::sampling::stream;
 use vtex_scene::element::CategoryId;
 use vtex_scene::library::Library;
 use vtex_scene::scene::LibraryId;
-use vtex_scene::scene::{SynthParams, Weights};
-use vtex_scene::statistics::{
-    Layout, Overlap, PairCorrelations, Repetition, largest_categories, neighbour_distance,
-};
+use vtex_scene::scene::{Method, SynthParams, Weights};
+use vtex_scene::statistics::{Layout, PairCorrelations, largest_categories, neighbour_distance};
 
 /// Name of the stage.
 const STAGE: &str = "tuning";
@@ -151,16 +151,23 @@ impl<'a> Judge<'a> {
     }
 
     fn sample(&self, weights: &Weights, seed: u64, progress: &dyn Progress) -> Result<Sample> {
-        let params = SynthParams { weights: weights.clone(), seed, ..self.params.synth.clone() };
-        let libraries = std::slice::from_ref(self.library);
-        let (scene, covered) = primaries_alone(libraries, &params, progress)?;
+        let by_descriptors = SynthParams {
+            weights: weights.clone(),
+            seed,
+            method: Method::Descriptor,
+            ..self.params.synth.clone()
+        };
+        let libraries = Cow::Borrowed(std::slice::from_ref(self.library));
+        let plan = Plan { libraries, controls: Cow::default(), params: by_descriptors, memory: None };
+        let (arranged, covered) = primaries(&plan, progress)?;
+        let (scene, report) = arranged.composed(&plan, progress)?;
         let wanted: Vec<f64> = self.library.categories.iter().map(|c| c.coverage).collect();
         let error: f64 = covered.iter().zip(&wanted).map(|(c, w)| (c - w).abs()).sum();
         let layout = Layout::of_scene(&scene);
         let terms = Terms {
             coverage: error / wanted.iter().sum::<f64>().max(1e-9),
-            overlap: Overlap::of_scene(&scene, libraries).hidden,
-            repetition: Repetition::of_scene(&scene, libraries).near,
+            overlap: report.overlap.hidden,
+            repetition: report.repetition.near,
             correlation: 0.0,
         };
         Ok(Sample {

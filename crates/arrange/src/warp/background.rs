@@ -2,15 +2,16 @@
 
 use super::carried;
 use super::{Bend, NO_STRETCH};
+use crate::arrange::Plan;
+use crate::arrange::correspondence::SecondaryPlace;
 use crate::arrange::occupancy::Occupancy;
 use crate::arrange::sites::Sites;
 use crate::synth::background;
 use crate::synth::secondaries::{self, CELL, PlacedSecondary, SecondaryFinder};
 use std::collections::BTreeMap;
 use vtex_base::sampling::{Area, Stream, poisson_disk, stream};
-use vtex_scene::library::Library;
 use vtex_scene::scene::field::Interpolant;
-use vtex_scene::scene::{ControlPoint, Field, Instance, Role, Scene, SynthParams, Tile, joined};
+use vtex_scene::scene::{ControlPoint, Field, Instance, Role, Scene, Tile, joined};
 
 /// Moved points closer to each other than the first share of their usual distance are dropped. New points
 /// are added where the nearest is farther than the second share.
@@ -30,14 +31,8 @@ pub(super) enum WarpedSecondary<'s> {
 }
 
 /// The scene's control points at their new places, and new ones in the gaps.
-pub(super) fn field(
-    scene: &Scene,
-    libraries: &[Library],
-    map: &Occupancy<'_>,
-    bend: &Bend,
-    params: &SynthParams,
-) -> Field {
-    let palettes = background::palettes(libraries);
+pub(super) fn field(scene: &Scene, plan: &Plan<'_>, map: &Occupancy<'_>, bend: &Bend) -> Field {
+    let palettes = background::palettes(&plan.libraries);
     let fields = scene.layers.iter().filter_map(|l| Some((l.region.as_ref(), l.field.as_ref()?)));
     let old = joined(&fields.collect::<Vec<_>>());
     let old = old.as_deref().unwrap_or(&palettes[0]);
@@ -56,7 +51,7 @@ pub(super) fn field(
     let carried: Vec<[i32; 2]> = field.points.iter().map(|p| whole([p.x, p.y])).collect();
     let canvas = map.grid.canvas();
     let near = Sites::new(carried, spacing, canvas, Tile::default());
-    let mut random = stream(params.seed, "synth/warp/background", 0);
+    let mut random = stream(plan.params.seed, "synth/warp/background", 0);
     for point in scattered(canvas, MARGIN * spacing, spacing, &mut random) {
         if !near.any_within(whole(point), SPARSE * spacing) {
             let [x, y] = point.map(|v| libm::round(v * 100.0) / 100.0);
@@ -71,12 +66,12 @@ pub(super) fn field(
 /// the exemplar and single secondaries fill the gaps.
 pub(super) fn secondaries<'s>(
     scene: &'s Scene,
-    libraries: &[Library],
+    plan: &Plan<'_>,
     map: &Occupancy<'_>,
     interpolant: &Interpolant,
     bend: &Bend,
-    params: &SynthParams,
 ) -> Vec<WarpedSecondary<'s>> {
+    let (libraries, params) = (&*plan.libraries, &plan.params);
     let finders: Vec<Option<SecondaryFinder<'_, '_>>> = libraries
         .iter()
         .enumerate()
@@ -115,16 +110,15 @@ pub(super) fn secondaries<'s>(
         let library = element.library.index();
         let first = libraries[library].primaries().len();
         let Some(number) = element.source.and_then(|s| s.index().checked_sub(first)) else { continue };
+        let variation = carried::variation(map.model(), instance);
         let placed = PlacedSecondary {
             library,
-            secondary: number as u32,
-            at: whole(place),
-            variation: carried::variation(map.model(), instance),
+            place: SecondaryPlace { secondary: number as u32, at: whole(place), variation },
             colour: instance.colour.unwrap_or(element.base().colour),
         };
-        let seen = finders[library].as_ref().is_some_and(|f| f.fits(&placed));
-        if bend.holds([x, y]) && to.owner(placed.at) == Some(cell) && seen {
-            standing[library].push(placed.at);
+        let seen = finders[library].as_ref().is_some_and(|f| f.is_visible(&placed.place));
+        if bend.holds([x, y]) && to.owner(placed.place.at) == Some(cell) && seen {
+            standing[library].push(placed.place.at);
             found.push((WarpedSecondary::Carried { instance, place }, placed));
         }
     }
@@ -134,7 +128,7 @@ pub(super) fn secondaries<'s>(
         if let Some(finder) = &finders[library] {
             let own = to.cell(cell);
             let found = finder.neighbourhood(after[cell], |at| own.owns(at), &mut random);
-            standing[library].extend(found.iter().map(|p| p.at));
+            standing[library].extend(found.iter().map(|p| p.place.at));
             fresh.extend(found);
         }
     }
@@ -143,9 +137,9 @@ pub(super) fn secondaries<'s>(
             fresh.extend(finder.fill_gaps(std::mem::take(&mut standing[library])));
         }
     }
-    let painted = secondaries::painted(libraries, fresh, interpolant, params);
+    let painted = secondaries::painted(plan, fresh, interpolant);
     found.extend(painted.into_iter().map(|p| (WarpedSecondary::New(p), p)));
-    found.sort_by_key(|(_, placed)| placed.painting_key(libraries));
+    found.sort_by_key(|(_, placed)| placed.painting_key(plan));
     found.into_iter().map(|f| f.0).collect()
 }
 

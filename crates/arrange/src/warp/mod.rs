@@ -19,16 +19,17 @@ pub use bend::Bend;
 use crate::arrange::controls::Controls;
 use crate::arrange::descriptor::InitialRequests;
 use crate::arrange::model::PlacementModel;
-use crate::arrange::{Fixed, PlacementTask, arrange};
-use crate::synth::compose::{self, Placement, What, compose};
-use crate::synth::{SynthReport, check_canvas};
+use crate::arrange::{Fixed, Plan, arrange};
+use crate::synth::SynthReport;
+use crate::synth::canvas::check_canvas;
+use crate::synth::compose::{self, Arranged, Placement, What};
+use background::WarpedSecondary;
+use std::borrow::Cow;
 use vtex_base::error::Result;
 use vtex_base::progress::{Progress, advance};
 use vtex_scene::library::Library;
 use vtex_scene::scene::field::Interpolant;
-use vtex_scene::scene::{
-    Domain, Edge, Instance, InstanceId, LibraryId, Method, Role, Scene, SynthParams, Tile,
-};
+use vtex_scene::scene::{Edge, Instance, InstanceId, Method, Role, Scene, SynthParams, Tile};
 
 /// Distances may grow by this factor without a search for gaps.
 const NO_STRETCH: f64 = 1.02;
@@ -67,68 +68,46 @@ pub fn warp(
     // A scene is bent pixel by pixel.
     let libraries: Vec<Library> = libraries.iter().map(|l| l.at_scale([1.0; 2]).into_owned()).collect();
     let shares = if libraries.len() > 1 { carried::parts(scene, bend, libraries.len()) } else { Vec::new() };
-    let controls = Controls { domain: bend.domain(scene), shares, ..Controls::default() };
+    let controls = Cow::Owned(Controls { domain: bend.domain(scene), shares, ..Controls::default() });
+    let by_descriptors = SynthParams { method: Method::Descriptor, ..params.clone() };
+    let plan = Plan { libraries: Cow::Owned(libraries), controls, params: by_descriptors, memory: None };
 
     // Variations are drawn with the scene's own seed.
-    let mut model = PlacementModel::new(&libraries, &SynthParams { seed: before.seed, ..params.clone() });
+    let mut model =
+        PlacementModel::new(&plan.libraries, &SynthParams { seed: before.seed, ..params.clone() });
     let (fixed, standing) = carry(scene, bend, &mut model, progress)?;
     let carried: Vec<&Instance> = scene.individuals().collect();
-    let method = Method::Descriptor;
-    let task = PlacementTask {
-        libraries: &libraries,
-        controls: &controls,
-        params: &params,
-        method,
-        memory: None,
-        fixed,
-    };
-    let arrangement = arrange(&mut model, &task, progress)?;
-    let (cells, model) = (&arrangement.cells, arrangement.cells.model());
+    let arrangement = arrange(&mut model, &plan, &fixed, progress)?;
 
     advance(progress, "background field", 0, 2)?;
-    let field = background::field(scene, &libraries, cells, bend, &params);
+    let field = background::field(scene, &plan, &arrangement.cells, bend);
     let interpolant = Interpolant::new(&field, width, height, Tile::default());
     advance(progress, "background field", 1, 2)?;
-    let secondaries = background::secondaries(scene, &libraries, cells, &interpolant, bend, &params);
+    let secondaries = background::secondaries(scene, &plan, &arrangement.cells, &interpolant, bend);
     advance(progress, "background field", 2, 2)?;
 
     let layers = Scene::three_layers(field);
-    let blank = Scene {
-        width,
-        height,
-        page,
-        tile: Tile::default(),
-        program: vtex_base::PROGRAM.into(),
-        domain: controls.domain.clone().map(|outline| Domain { outline, edge }),
-        layers: layers.clone(),
-        parameters: Some(params.clone()),
-        ..scene.clone()
-    };
     let layer = |role: Role| layers.iter().position(|l| l.role == role).unwrap_or(0);
-    let below = secondaries.iter().map(|secondary| {
-        let (what, transform) = match secondary {
-            background::WarpedSecondary::Carried { instance, place } => moved(instance, *place),
-            background::WarpedSecondary::New(p) => {
-                let source = libraries[p.library].secondary_id(p.secondary);
-                let what = What::Known(LibraryId(p.library as u32), source, Some(p.colour));
-                (what, compose::at(&model.variations[usize::from(p.variation)], p.at))
-            }
-        };
-        Placement { what, transform, layer: layer(Role::Secondary), motif: None }
+    let below = secondaries.iter().map(|secondary| match secondary {
+        WarpedSecondary::Carried { instance, place } => moved(instance, *place, layer(Role::Secondary)),
+        WarpedSecondary::New(p) => compose::secondary(&plan, &arrangement, p, layer(Role::Secondary)),
     });
-    let above = arrangement.placed.iter().map(|p| {
-        let (what, transform) = match p.fixed.map(|k| standing[k]) {
-            Some((index, there)) => moved(carried[index], there),
-            None => compose::primary(&arrangement, p),
-        };
-        Placement { what, transform, layer: layer(Role::Primary), motif: None }
+    let above = arrangement.placed.iter().map(|p| match p.fixed.map(|k| standing[k]) {
+        Some((index, there)) => moved(carried[index], there, layer(Role::Primary)),
+        None => compose::primary(&arrangement, p, layer(Role::Primary)),
     });
+    let placements = below.chain(above).collect();
+    let blank = Scene {
+        elements: scene.elements.clone(),
+        libraries: scene.libraries.clone(),
+        edits: scene.edits.clone(),
+        parameters: Some(params),
+        ..compose::blank(&plan, layers)
+    };
     let last = scene.instances().map(|i| i.id.0).max();
     let first = InstanceId(last.map_or(0, |id| id.wrapping_add(1)));
-    let mut result = compose(blank, first, &libraries, below.chain(above));
-    result.drop_unused();
-    let report = SynthReport::of_arrangement(&libraries, &arrangement, &result);
-    Ok((result, report))
+    let report = SynthReport::of_arrangement(&plan, &arrangement);
+    Arranged { first, ..Arranged::new(blank, placements, report) }.composed(&plan, progress)
 }
 
 /// Index of an element among those of the scene, and its place in the new one.
@@ -167,7 +146,8 @@ fn carry(
 }
 
 /// An instance moved to another place, in whole pixels.
-fn moved(instance: &Instance, place: [f64; 2]) -> (What<'_>, [f64; 6]) {
+fn moved(instance: &Instance, place: [f64; 2], layer: usize) -> Placement<'_> {
     let [a, b, c, d, ..] = instance.transform;
-    (What::Kept(instance), [a, b, c, d, libm::round(place[0]), libm::round(place[1])])
+    let transform = [a, b, c, d, libm::round(place[0]), libm::round(place[1])];
+    Placement { what: What::Kept(instance), transform, layer, motif: None }
 }

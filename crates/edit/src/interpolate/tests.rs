@@ -80,6 +80,7 @@ fn scene(seed: u64, primaries: u32, tile: bool) -> Scene {
     Scene {
         tile: Tile { x: tile, y: tile },
         libraries: vec![LibraryRef {
+            fine: false,
             exemplar: format!("{seed}.png"),
             sha256: seed.to_string(),
             categories: Vec::new(),

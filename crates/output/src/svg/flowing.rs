@@ -30,6 +30,7 @@ pub fn write_flow(
 ) -> io::Result<SvgSummary> {
     SECONDS.check(seconds)?;
     let scene = flowing.scene();
+    let options = &SvgOptions { fills: false, ..*options };
     let precision = options.precision;
     let rounds = flowing.rounds();
     let ways = if rounds.is_some() { Vec::new() } else { flowing.ways() };

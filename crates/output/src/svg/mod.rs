@@ -24,14 +24,18 @@
 //! their clip paths; `p7` the instance of id 7; `t…` and `s…` the elements, `t12g` the gradient of one,
 //! `t12s` its shadow (`t12s2` another), `t12o` its bare outline; `g5` any other gradient; `u3` the brush of
 //! soft ellipses of one colour, `c8` the clip path of those of an element; `b…` the gradients of fields;
-//! `inside` a group that a domain clips, `domain` its clip path; `texture` the pattern.
+//! `inside` a group that a domain clips, `domain` its clip path; `texture` the pattern, `tile` its content.
+//!
+//! A scene in one ink states it once (see `ink`). Tiles for the fills of other programs are written by `fill_tile`.
 
 mod animation;
 mod background;
 mod brushes;
 mod css;
+mod fill_tile;
 mod flowing;
 mod gradients;
+mod ink;
 mod layers;
 mod metadata;
 mod number;
@@ -41,6 +45,7 @@ mod textons;
 mod xml;
 
 pub use animation::{Animation, write_animation};
+pub use fill_tile::check_fill;
 pub use flowing::write_flow;
 
 use super::background::PreparedBackground;
@@ -90,16 +95,26 @@ pub struct SvgOptions {
     pub css: bool,
     /// Name individual elements, as editors list them. Ids and classes are written all the same. Default true.
     pub names: bool,
+    /// Write a tile for the fills of other programs: a page of plain shapes, which is also the content of a
+    /// `<pattern>`. Needs a scene that [`check_fill`] accepts. Default false.
+    pub fills: bool,
 }
 
 impl SvgOptions {
     /// Digits after the decimal point of coordinates.
     pub const PRECISION: Parameter<u8> = Parameter::new("precision", [0, 6], "").or(1);
+
+    /// With two decimals in place of one if elements come from a drawing on a small page, where a tenth of a unit is
+    /// visible.
+    pub fn fit(self, scene: &Scene) -> Self {
+        let is_fine = scene.libraries.iter().any(|library| library.fine);
+        if is_fine && self.precision == 1 { Self { precision: 2, ..self } } else { self }
+    }
 }
 
 impl Default for SvgOptions {
     fn default() -> Self {
-        Self { precision: 1, expand: false, css: false, names: true }
+        Self { precision: 1, expand: false, css: false, names: true, fills: false }
     }
 }
 
@@ -121,7 +136,8 @@ pub struct SvgSummary {
 /// Writes a scene as SVG. Same scene and options: the same bytes.
 ///
 /// # Errors
-/// A precision out of range; a scene that breaks its invariants; a failing writer.
+/// A precision out of range; a scene that breaks its invariants; those of [`check_fill`] for a tile for fills; a
+/// failing writer.
 pub fn write(scene: &Scene, options: &SvgOptions, out: impl Write) -> io::Result<SvgSummary> {
     write_with_recipe(scene, options, None, out)
 }
@@ -137,6 +153,9 @@ pub fn write_with_recipe(
     recipe: Option<&serde_json::Value>,
     out: impl Write,
 ) -> io::Result<SvgSummary> {
+    if options.fills {
+        return fill_tile::write(scene, options, out);
+    }
     let document = Document { recipe, ..Document::new(scene, options, 0.0)? };
     summed(document.textons.shared_count(), out, |xml| document.write(xml))
 }
@@ -150,7 +169,7 @@ pub fn write_pattern(scene: &Scene, options: &SvgOptions, out: impl Write) -> io
     if !scene.tile.both() {
         return Err(Error::Seams.into());
     }
-    let document = Document::new(scene, options, BLEED)?;
+    let document = Document::new(scene, &SvgOptions { fills: false, ..*options }, BLEED)?;
     summed(document.textons.shared_count(), out, |xml| document.write_pattern(xml))
 }
 
@@ -274,6 +293,7 @@ impl<'a> Document<'a> {
     fn write<W: Write>(&self, xml: &mut Xml<W>) -> io::Result<()> {
         self.begin(xml);
         write_page(xml, self.scene);
+        self.textons.ink().begin(xml);
         xml.line();
         self.write_about(xml)?;
         self.write_definitions(xml)?;
@@ -287,15 +307,8 @@ impl<'a> Document<'a> {
         xml.attribute("height", "100%");
         xml.line();
         self.write_about(xml)?;
-        xml.open("pattern");
-        xml.attribute("id", PATTERN);
-        xml.attribute("patternUnits", "userSpaceOnUse");
-        xml.attribute("width", self.scene.width);
-        xml.attribute("height", self.scene.height);
-        if self.scene.page.is_some() {
-            let [x, y] = stretch(self.scene);
-            xml.attribute("patternTransform", format_args!("scale({x} {y})"));
-        }
+        self.open_pattern(xml);
+        self.textons.ink().begin(xml);
         xml.line();
         self.write_definitions(xml)?;
         self.write_layers(xml)?;
@@ -308,6 +321,19 @@ impl<'a> Document<'a> {
         xml.close()?;
         xml.line();
         Ok(())
+    }
+
+    /// Begins a pattern of the canvas, at the size of its page.
+    fn open_pattern<W: Write>(&self, xml: &mut Xml<W>) {
+        xml.open("pattern");
+        xml.attribute("id", PATTERN);
+        xml.attribute("patternUnits", "userSpaceOnUse");
+        xml.attribute("width", self.scene.width);
+        xml.attribute("height", self.scene.height);
+        if self.scene.page.is_some() {
+            let [x, y] = stretch(self.scene);
+            xml.attribute("patternTransform", format_args!("scale({x} {y})"));
+        }
     }
 
     fn begin<W: Write>(&self, xml: &mut Xml<W>) {
@@ -390,7 +416,7 @@ impl<'a> Document<'a> {
         // Neighbours in painting order that share a fill take it from one group.
         let alike = |a: &_, b: &_| textons.fill(a).is_some() && textons.fill(a) == textons.fill(b);
         for run in instances.chunk_by(alike) {
-            let fill = textons.fill(&run[0]).filter(|_| run.len() > 1);
+            let fill = textons.fill(&run[0]).filter(|fill| run.len() > 1 && !textons.ink().is(*fill));
             if let Some(fill) = fill {
                 xml.open("g");
                 xml.attribute("fill", HexColour(fill));

@@ -14,7 +14,7 @@ fn text(scene: &Scene, options: &SvgOptions) -> (String, SvgSummary) {
     (String::from_utf8(bytes).unwrap(), summary)
 }
 
-const EXPANDED: SvgOptions = SvgOptions { precision: 2, expand: true, css: false, names: true };
+const EXPANDED: SvgOptions = SvgOptions { precision: 2, expand: true, css: false, names: true, fills: false };
 
 fn named<'a>(document: &'a Document<'_>, name: &str) -> Vec<Node<'a, 'a>> {
     document.descendants().filter(|n| n.has_tag_name(("http://www.w3.org/2000/svg", name))).collect()
@@ -54,6 +54,9 @@ fn well_formed_with_unique_ids_and_no_picture() {
             let (text, summary) = text(scene, &options);
             check_document(&text, &summary);
         }
+        let printed = testing::printed(testing::drawn(tiled.clone()));
+        let (tile, summary) = text(&printed, &SvgOptions { fills: true, ..options });
+        check_document(&tile, &summary);
         for scene in [&tiled, &shaped] {
             let mut bytes = Vec::new();
             let summary = write_pattern(scene, &options, &mut bytes).unwrap();

@@ -3,6 +3,7 @@
 use super::SvgOptions;
 use super::brushes::Brushes;
 use super::gradients::BoxGradient;
+use super::ink::InheritedInk;
 use super::number::{HexColour, Number, list};
 use super::xml::{ViewerLoad, Xml};
 use crate::categories::SceneCategory;
@@ -22,6 +23,9 @@ pub(super) struct SvgTextons<'a> {
     scene: &'a Scene,
     precision: u8,
     expand: bool,
+    /// Whether definitions are groups instead of symbols, and copies are written one by one.
+    fills: bool,
+    ink: InheritedInk,
     /// Distance beyond the canvas up to which copies are written, in pixels.
     bleed: f64,
     /// Whether a texton is defined once and placed by reference.
@@ -97,7 +101,7 @@ impl<'a> SvgTextons<'a> {
         let bounds =
             if scene.tile.any() { scene.elements.iter().map(Element::bounds).collect() } else { Vec::new() };
         let shared = vec![false; scene.elements.len()];
-        let SvgOptions { precision, expand, .. } = *options;
+        let SvgOptions { precision, expand, fills, .. } = *options;
         let names = categories.iter().map(|c| ((c.library, c.category), c.name.clone())).collect();
         let (ids, gradients) = (ids(scene), Cell::new(0));
         let drawn = vec![Cell::default(); scene.elements.len()];
@@ -107,6 +111,8 @@ impl<'a> SvgTextons<'a> {
             scene,
             precision,
             expand,
+            fills,
+            ink: InheritedInk::new(scene, options),
             bleed,
             shared,
             inherits,
@@ -127,7 +133,7 @@ impl<'a> SvgTextons<'a> {
         // Copies of individual elements refer to their original as a whole.
         let counted = scene.layers.iter().flat_map(|layer| {
             layer.instances.iter().map(|i| {
-                let count = if layer.role.is_individual() { 1 } else { textons.copies(i).count() };
+                let count = if layer.role.is_individual() && !fills { 1 } else { textons.copies(i).count() };
                 (i, count)
             })
         });
@@ -144,8 +150,9 @@ impl<'a> SvgTextons<'a> {
         let is_shared =
             |(element, &uses): (&Element, &usize)| uses > 1 && !expand && !element.base().is_soft();
         textons.shared = scene.elements.iter().zip(&uses).map(is_shared).collect();
-        let with_line =
-            |(i, asked): (usize, bool)| asked && textons.shared[i] && !is_bare(&scene.elements[i]);
+        // A definition that is a plain path is its own outline.
+        let is_plain = |i: usize| is_bare(&scene.elements[i]) && textons.inherits[i];
+        let with_line = |(i, asked): (usize, bool)| asked && textons.shared[i] && !is_plain(i);
         textons.outlined = outlined.into_iter().enumerate().map(with_line).collect();
         let many = shadow_uses.into_iter().filter(|(_, n)| *n > 1 && !expand);
         let mut numbers: BTreeMap<ElementId, u32> = BTreeMap::new();
@@ -169,6 +176,11 @@ impl<'a> SvgTextons<'a> {
         // Rounding may move an outline by as much as the last digit.
         let reach = self.bleed + 1.0 / f64::from(10u32.pow(self.precision.into()));
         self.scene.copies(bounds.inflate(reach, reach))
+    }
+
+    /// The ink of all textons, if they have one.
+    pub(super) fn ink(&self) -> InheritedInk {
+        self.ink
     }
 
     /// The name of an element's category, if it has one.
@@ -218,12 +230,7 @@ impl<'a> SvgTextons<'a> {
                 xml.attribute("d", self.data(&element.base().outline, None));
                 xml.close()?;
             } else {
-                xml.open("symbol");
-                xml.attribute("id", id);
-                xml.attribute("overflow", "visible");
-                xml.open("title");
-                xml.text(&title(element, self.category_name(element)));
-                xml.close()?;
+                self.open_symbol(xml, i)?;
                 let base = if self.inherits[i] { Base::Inherited } else { Base::new(element.paint(None)) };
                 self.write_paths(xml, i, base, None)?;
                 xml.close()?;
@@ -232,6 +239,22 @@ impl<'a> SvgTextons<'a> {
             xml.line();
         }
         Ok(())
+    }
+
+    /// Begins the definition of a texton of several paths.
+    fn open_symbol<W: Write>(&self, xml: &mut Xml<W>, index: usize) -> io::Result<()> {
+        if self.fills {
+            xml.open("g");
+            xml.attribute("id", &self.ids[index]);
+            return Ok(());
+        }
+        let element = &self.scene.elements[index];
+        xml.open("symbol");
+        xml.attribute("id", &self.ids[index]);
+        xml.attribute("overflow", "visible");
+        xml.open("title");
+        xml.text(&title(element, self.category_name(element)));
+        xml.close()
     }
 
     /// Writes the source of a texton that is written in place. Otherwise its id tells the source, but an id
@@ -304,7 +327,11 @@ impl<'a> SvgTextons<'a> {
                 Base::Gradient(..) if self.base_gradient(element).is_some() => {
                     xml.attribute("fill", format_args!("url(#{}g)", self.ids[index]));
                 }
-                Base::Gradient(colour, _) | Base::Colour(colour) => xml.attribute("fill", HexColour(colour)),
+                // References to a definition are in no group with another fill.
+                Base::Gradient(colour, _) | Base::Colour(colour) if self.ink.is(colour) => (),
+                Base::Gradient(colour, _) | Base::Colour(colour) => {
+                    xml.attribute("fill", HexColour(colour));
+                }
                 Base::Inherited => (),
             }
         }
@@ -376,7 +403,7 @@ impl<'a> SvgTextons<'a> {
         };
         xml.attribute("class", "outline");
         xml.attribute("fill", "none");
-        xml.attribute("stroke", HexColour(stroke.colour));
+        self.ink.paint(xml, "stroke", stroke.colour);
         xml.attribute("stroke-width", Number(width, 2));
         xml.attribute("stroke-linejoin", "round");
         xml.close()
@@ -444,7 +471,7 @@ impl<'a> SvgTextons<'a> {
         xml.open("g");
         xml.attribute("class", "rim");
         xml.attribute("fill", "none");
-        xml.attribute("stroke", HexColour(rim.colour));
+        self.ink.paint(xml, "stroke", rim.colour);
         xml.attribute("stroke-linejoin", "round");
         for [width, opacity] in rim.strokes() {
             xml.open(if self.expand { "path" } else { "use" });
@@ -523,9 +550,7 @@ impl<'a> SvgTextons<'a> {
         let kind = if line.is_some() { "stroke" } else { "fill" };
         match (fill, id) {
             (_, Some(number)) => xml.attribute(kind, format_args!("url(#g{number})")),
-            (Base::Colour(colour) | Base::Gradient(colour, _), None) => {
-                xml.attribute(kind, HexColour(colour))
-            }
+            (Base::Colour(colour) | Base::Gradient(colour, _), None) => self.ink.paint(xml, kind, colour),
             (Base::Inherited, None) => (),
         }
         if in_group {

@@ -7,7 +7,7 @@ use base64::engine::general_purpose::STANDARD;
 use std::borrow::Cow;
 use std::io::{self, Write};
 use vtex_base::document::turns_text;
-use vtex_output::seal::PAGE_BEGINNING;
+use vtex_output::formats::PAGE_BEGINNING;
 
 const FRAME: &str = include_str!("page/frame.html");
 const STYLE: &str = include_str!("page/style.css");

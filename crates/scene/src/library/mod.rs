@@ -44,6 +44,9 @@ use vtex_base::raster::colour_names;
 /// Largest side of an exemplar, in pixels.
 const LARGEST_SIDE: u32 = 16_384;
 
+/// Pixels of the arrangement for each unit of a drawing above which a tenth of a unit is visible.
+const FINE: f64 = 4.0;
+
 /// The result of analysing one exemplar. Coordinates are pixels of the photograph, or units of the drawing,
 /// x right, y down, pixel centres at .5; colours are 8-bit sRGB. The arrangement and the guide may have
 /// another resolution ([`Source::scale`]).
@@ -280,6 +283,16 @@ impl Category {
 }
 
 impl Library {
+    /// Whether the exemplar is a drawing.
+    pub fn is_drawing(&self) -> bool {
+        self.source.kind == SourceKind::Drawing
+    }
+
+    /// Whether the library was made of a picture of lines.
+    pub fn is_line_art(&self) -> bool {
+        self.source.parameters.kind == PictureKind::Curves
+    }
+
     /// Plain names of the categories, in their order, all different: those that a user has given to them, or
     /// words for their mean colours, and for their sizes where colours are alike. Scenes, SVGs and reports use the same names.
     pub fn category_names(&self) -> Vec<String> {
@@ -296,6 +309,7 @@ impl Library {
             exemplar: self.source.file.clone(),
             sha256: self.source.sha256.clone(),
             categories: self.category_names(),
+            fine: self.pixels_per_unit() > FINE,
         }
     }
 

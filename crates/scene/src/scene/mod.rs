@@ -6,6 +6,7 @@ mod edits;
 mod effects;
 pub mod field;
 mod gaussians;
+mod ink;
 mod joined;
 mod operation;
 mod page;
@@ -22,6 +23,7 @@ mod validate;
 pub use crate::element::{CategoryId, ElementId, Gradient, Role, Shape};
 pub use edits::{Axis, Between, EditRecord, Place, Recorded, Transfer, TransferMode};
 pub use effects::{Shadow, Stroke};
+pub use ink::Ink;
 pub use joined::joined;
 pub use operation::{
     About, Action, ColourOrMap, Comparison, Condition, Direction, Distribution, Identity, Jitter, Keep,
@@ -169,12 +171,15 @@ pub struct LibraryRef {
     /// Names of the library's categories, in its order; empty if they are not known.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub categories: Vec<String>,
+    /// Whether its exemplar is a drawing on a small page, where a tenth of a unit is visible.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub fine: bool,
 }
 
 impl LibraryRef {
-    /// The reference to the exemplar alone, without categories.
+    /// The reference to the exemplar alone, without facts about the library.
     pub fn exemplar(&self) -> Self {
-        Self { categories: Vec::new(), ..self.clone() }
+        Self { categories: Vec::new(), fine: false, ..self.clone() }
     }
 }
 

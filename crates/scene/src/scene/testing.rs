@@ -14,7 +14,12 @@ pub fn scene(
 ) -> Scene {
     let mut layers = Scene::three_layers(field);
     (layers[1].instances, layers[2].instances) = (secondary, primary);
-    let library = LibraryRef { exemplar: "test.jpg".into(), sha256: "0".repeat(64), categories: Vec::new() };
+    let library = LibraryRef {
+        exemplar: "test.jpg".into(),
+        sha256: "0".repeat(64),
+        categories: Vec::new(),
+        fine: false,
+    };
     Scene { elements, ..Scene::new(size, vec![library], layers) }
 }
 

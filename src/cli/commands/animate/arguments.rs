@@ -1,6 +1,7 @@
 //! The arguments of `vtex animate`.
 
 use crate::cli::failure::Failure;
+use crate::cli::format::{self, Lists};
 use crate::cli::input::Input;
 use crate::cli::number::Takes;
 use crate::cli::options::files::{ForceArgs, check_distinct, outputs};
@@ -89,9 +90,9 @@ pub(crate) struct AnimateArgs {
     pub(crate) morph: Option<MorphFrom>,
     /// Result: an animation .svg, .svgz, .gif, .png or .apng, or a folder for frames
     ///
-    /// With --at, --across or --morph, the result is one scene: .svg, .svgz, .pdf, .png, .scene.json or
-    /// .scene.json.gz [default: ./SCENE.between.svg]. Several -o write several files
-    #[arg(short, long, value_name = "FILE")]
+    /// With --at, --across or --morph, the result is one scene: {formats} [default:
+    /// ./SCENE.between.svg]. Several -o write several files
+    #[arg(short, long, value_name = "FILE", lists = format::OF_SCENE)]
     pub(crate) output: Vec<PathBuf>,
     /// Format of frames in a folder [svg or png, default: svg]
     #[arg(long, value_name = "FORMAT", hide_possible_values = true, value_parser = formats(), hide_short_help = true)]

@@ -9,7 +9,6 @@ use crate::cli::frames::Frames;
 use crate::cli::input::{Input, InputKind};
 use crate::cli::options::files::{Makes, check_files, outputs, targets};
 use crate::cli::options::frames::Played;
-use crate::cli::options::render::BackgroundChoice;
 use crate::cli::output::{DrawingOptions, Targets};
 use crate::cli::progress::Reporter;
 use crate::cli::reading;
@@ -18,9 +17,9 @@ use std::sync::Arc;
 use vtex::Progress;
 use vtex::control;
 use vtex::interpolate::{Interpolation, Morph, morph};
-use vtex::output::file::Format;
+use vtex::output::file::{BackgroundChoice, Format};
 use vtex::output::raster_animation::RasterAnimation;
-use vtex::output::svg::Animation;
+use vtex::output::svg::{Animation, SvgOptions};
 use vtex::scene::Scene;
 
 const MAKES: Makes = Makes { allowed: format::OF_SCENE, usual: Format::Svg, word: "between" };
@@ -119,7 +118,8 @@ pub(super) fn run(common: &Common, reporter: &Reporter, job: &Between) -> anyhow
                 drawing.render.background != Some(BackgroundChoice::None) && opaque(&from) && opaque(&to);
             // Duration of the way in one direction.
             let seconds = f64::from(pace.frames) / pace.rate;
-            let animation = Animation { seconds, back: pace.back, precision: drawing.svg.precision };
+            let fitted = |scene: &Scene| SvgOptions::from(drawing.svg).fit(scene).precision;
+            let animation = Animation { seconds, back: pace.back, precision: fitted(&from).max(fitted(&to)) };
             let written =
                 play_all(&frames, wanted, opaque, |target| target.write_animation(&way, &animation))?;
             let first = &wanted[0];
@@ -131,7 +131,7 @@ pub(super) fn run(common: &Common, reporter: &Reporter, job: &Between) -> anyhow
             return summary.print(common, false);
         }
     };
-    if let Some(warning) = drawing.render.warning(targets.has(Format::Png)) {
+    if let Some(warning) = drawing.render.warning(targets.any_uses(|uses| uses.scale)) {
         reporter.warn(warning);
     }
     reporter.stage("drawing")?;

@@ -8,13 +8,14 @@ use crate::cli::frames::Frames;
 use crate::cli::input::{Input, InputKind};
 use crate::cli::options::files::{check_files, outputs};
 use crate::cli::options::frames::Played;
-use crate::cli::options::render::BackgroundChoice;
 use crate::cli::output::DrawingOptions;
 use crate::cli::progress::Reporter;
 use crate::cli::reading;
 use crate::cli::summary::Summary;
 use vtex::flow::{Flow, FlowParams, Flowing};
+use vtex::output::file::BackgroundChoice;
 use vtex::output::raster_animation::RasterAnimation;
+use vtex::output::svg::SvgOptions;
 use vtex::{Progress, control};
 
 /// A scene, its flow, and the outputs.
@@ -69,7 +70,7 @@ pub(super) fn run(common: &Common, reporter: &Reporter, job: &Flowed) -> anyhow:
     let opaque = drawing.render.background != Some(BackgroundChoice::None) && scene.domain.is_none();
     let seconds = f64::from(animation.frames) / animation.rate;
     let written = play_all(&frames, &job.wanted, opaque, |target| {
-        target.write_flow(&flowing, seconds, &drawing.svg.into())
+        target.write_flow(&flowing, seconds, &SvgOptions::from(drawing.svg).fit(&scene))
     })?;
     let first = &job.wanted[0];
     let summary = Summary {

@@ -2,6 +2,7 @@
 
 use super::jobs::JobSource;
 use super::values::{Extension, Forced, Shard};
+use crate::cli::format::Lists;
 use crate::cli::options::analyze::AnalyzeFlags;
 use crate::cli::options::common;
 use crate::cli::options::control::ControlArgs;
@@ -43,10 +44,10 @@ pub(crate) struct BatchArgs {
     /// Folder for the results, which are named after their inputs; vtex creates it if needed
     #[arg(short = 'o', long, value_name = "DIR", required = true)]
     pub(crate) out_dir: Option<PathBuf>,
-    /// Formats to write for each job: svg, svgz, pdf, png, scene.json, scene.json.gz, lib.json, lib.json.gz
-    /// [default: svg]
+    /// Formats to write for each job: {formats} [default: svg]
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
-    #[arg(value_parser = one_of(&Extension::ALL, str::parse::<Extension>), hide_possible_values = true)]
+    #[arg(value_parser = one_of(Extension::names(), str::parse::<Extension>), hide_possible_values = true)]
+    #[arg(fills("{formats}", &Extension::names().join(", ")))]
     pub(crate) format: Option<Vec<Extension>>,
     /// Do all jobs again, or those of --force=NAME,..., and replace existing files even if vtex did
     /// not write them

@@ -281,7 +281,7 @@ impl<'a> ResolvedJob<'a> {
                 path: self.batch.out_dir.join(file),
                 force: self.batch.forces(self.job),
             },
-            kind: format.kind(),
+            kind: format.0,
         };
         self.job.files().zip(self.job.formats.iter().copied()).map(target).collect()
     }
@@ -318,7 +318,8 @@ impl<'a> ResolvedJob<'a> {
             vec![library]
         };
         let mut synth = self.synth.clone();
-        self.job.parameters.size.set(&mut synth, &libraries, self.job.parameters.render.dpi.0);
+        let Parameters { size, svg, render, .. } = &self.job.parameters;
+        svg.form.set_canvas(*size, &mut synth, &libraries, render.dpi);
         if [synth.width, synth.height] != [self.synth.width, self.synth.height] {
             controls = reading::controls(&self.batch.steering, &synth, 1, &Input::read)?;
         }
@@ -341,7 +342,6 @@ impl UnwrittenTexture {
             _ => {
                 // The scene has the page.
                 let render = RenderParameters { dpi: Resolution::default(), ..render };
-                let svg = svg.fit(std::slice::from_ref(&self.library));
                 let drawing = DrawingOptions { svg, render, recipe: self.recipe.as_ref() };
                 target.write_scene(&self.scene, drawing)?
             }

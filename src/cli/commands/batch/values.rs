@@ -4,27 +4,27 @@ use crate::cli::values::one_of_these;
 use std::fmt;
 use std::path::Path;
 use std::str::FromStr;
-use vtex::output::file::FileKind;
+use std::sync::LazyLock;
+use vtex::output::file::{FileKind, Format};
 
 /// The extension of a written file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Extension(&'static str);
+pub(crate) struct Extension(pub(crate) FileKind);
 
 impl Extension {
-    /// All of them, the default first.
-    pub(crate) const ALL: [&'static str; 8] =
-        ["svg", "svgz", "pdf", "png", "scene.json", "scene.json.gz", "lib.json", "lib.json.gz"];
-
     /// The default formats.
-    pub(crate) const DEFAULT: Self = Self(Self::ALL[0]);
+    pub(crate) const DEFAULT: Self = Self(FileKind { format: Format::Svg, gzip: false });
 
-    pub(crate) fn as_str(self) -> &'static str {
-        self.0
+    /// The names of all, in the order in which they are listed.
+    pub(crate) fn names() -> &'static [&'static str] {
+        static NAMES: LazyLock<Vec<&'static str>> =
+            LazyLock::new(|| FileKind::all().map(|kind| Extension(kind).as_str()).collect());
+        &NAMES
     }
 
-    /// The kind of file.
-    pub(crate) fn kind(self) -> FileKind {
-        FileKind::from_path(Path::new(&format!("x.{}", self.0))).expect("all are known")
+    /// The name, without a dot.
+    pub(crate) fn as_str(self) -> &'static str {
+        self.0.ending().text.trim_start_matches('.')
     }
 }
 
@@ -32,8 +32,8 @@ impl FromStr for Extension {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let known = Self::ALL.into_iter().find(|e| *e == text.trim_start_matches('.'));
-        known.map(Self).ok_or_else(|| one_of_these(&Self::ALL))
+        let named = |kind: &FileKind| Self(*kind).as_str() == text.trim_start_matches('.');
+        FileKind::all().find(named).map(Self).ok_or_else(|| one_of_these(Self::names()))
     }
 }
 
@@ -112,7 +112,6 @@ impl fmt::Display for Shard {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use vtex::output::file::Format;
 
     #[test]
     fn shards_split_all_jobs() {
@@ -136,12 +135,12 @@ mod tests {
     }
 
     #[test]
-    fn every_extension_has_a_kind() {
-        for name in Extension::ALL {
-            let kind = name.parse::<Extension>().unwrap().kind();
-            assert_eq!(kind.gzip, name.ends_with('z'));
+    fn every_extension_is_read() {
+        for &name in Extension::names() {
+            assert_eq!(name.parse::<Extension>().unwrap().as_str(), name);
+            assert_eq!(format!(".{name}").parse(), name.parse::<Extension>());
         }
-        assert_eq!(Extension::DEFAULT.kind().format, Format::Svg);
+        assert_eq!(Extension::DEFAULT.as_str(), "svg");
         assert!("jpg".parse::<Extension>().is_err());
     }
 }

@@ -341,12 +341,12 @@ fn picture(session: &Arc<Session>, call: &StudioCall) -> Answered {
         (Some("photograph"), Some(picture)) => Ok(StudioAnswer::bytes(Content::Png, picture.clone())),
         (Some("redrawn"), _) => {
             let Some(library) = library else { return Ok(missing()) };
-            let drawing = stages::drawing(&opened, &stages::shown(&opened, &settings), Some(&library))?;
+            let drawing = stages::drawing(&opened, &stages::shown(&opened, &settings))?;
             on_threads(session.threads, || drawn(&reconstruct(&library), drawing))
         }
         (Some("texture"), _) => {
             let Some(shown) = shown else { return Ok(missing()) };
-            let drawing = stages::drawing(&opened, &stages::shown(&opened, &settings), library.as_deref())?;
+            let drawing = stages::drawing(&opened, &stages::shown(&opened, &settings))?;
             on_threads(session.threads, || drawn(&shown.scene, drawing))
         }
         (Some("density"), _) => {
@@ -374,14 +374,8 @@ fn variant(session: &Arc<Session>, call: &StudioCall) -> Answered {
 
 /// What is to be saved.
 fn wanted(call: &StudioCall) -> Result<Wanted, Failure> {
-    let format = match call.parameter("format") {
-        Some("svg") => Format::Svg,
-        Some("pdf") => Format::Pdf,
-        Some("png") => Format::Png,
-        Some("scene") => Format::Scene,
-        Some("library") => Format::Library,
-        _ => return Err(Failure::usage("there is no such format")),
-    };
+    let format = call.parameter("format").and_then(Format::named);
+    let format = format.ok_or_else(|| Failure::usage("there is no such format"))?;
     let scale = call.parameter("scale").filter(|text| !text.is_empty()).map(str::parse::<f64>).transpose();
     let scale =
         scale.map_err(|_| Failure::usage("the scale is no number"))?.filter(|scale| scale.is_finite());
@@ -407,9 +401,9 @@ fn weigh(session: &Arc<Session>, call: &StudioCall) -> Answered {
         let work = session.state();
         active(&work)?.results.shown.as_ref().map_or([0; 2], |shown| [shown.scene.width, shown.scene.height])
     };
-    let scale = if format == Format::Png { scale.unwrap_or(1.0) } else { 1.0 };
+    let scale = if format.uses().scale { scale.unwrap_or(1.0) } else { 1.0 };
     let size = canvas.map(|side| (f64::from(side) * scale).round());
-    let is_large = format == Format::Png && size[0] * size[1] > WEIGHED;
+    let is_large = format.uses().scale && size[0] * size[1] > WEIGHED;
     let bytes = if is_large { None } else { Some(save(session, call)?.len()) };
     Ok(StudioAnswer::json(&json!({ "bytes": bytes, "size": size })))
 }

@@ -43,7 +43,7 @@ impl Commands {
             if wanted.format != Format::Scene {
                 words.extend(writes(Stage::Write));
             }
-            if let (Format::Png, Some(scale)) = (wanted.format, wanted.scale.filter(|scale| *scale != 1.0)) {
+            if let Some(scale) = wanted.scale.filter(|scale| wanted.format.uses().scale && *scale != 1.0) {
                 words.extend(["--scale".to_owned(), scale.to_string()]);
             }
             words

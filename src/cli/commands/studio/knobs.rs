@@ -11,6 +11,7 @@ use clap::{Arg, Args};
 use serde::Serialize;
 use std::any::TypeId;
 use vtex::edit::{Direction, NumberOrMap};
+use vtex::output::file::Format;
 
 /// The command that an option belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -119,6 +120,25 @@ pub(super) struct Table {
     program: &'static str,
     groups: Vec<Group>,
     operations: Vec<OperationKnobs>,
+    formats: Vec<FormatChoice>,
+}
+
+/// A format in which the page saves.
+#[derive(Debug, Serialize)]
+struct FormatChoice {
+    name: &'static str,
+    title: &'static str,
+    words: &'static str,
+    /// Whether it is made of pixels, which have a scale.
+    scaled: bool,
+}
+
+impl FormatChoice {
+    fn new(format: Format) -> Self {
+        let writer = format.writer();
+        let title = writer.endings[0].title;
+        Self { name: writer.name, title, words: writer.purpose, scaled: writer.uses.scale }
+    }
 }
 
 /// Operations whose words name files.
@@ -145,6 +165,7 @@ pub(super) fn table() -> Table {
         program: vtex::PROGRAM,
         groups: OPTIONS.iter().map(group).collect(),
         operations: operations.collect(),
+        formats: Format::all().map(FormatChoice::new).collect(),
     }
 }
 

@@ -184,15 +184,11 @@ pub(super) fn write(
     let target = Target { place: Destination::Memory(buffer.clone()), kind };
     match (format, library, scene) {
         (Format::Library, Some(library), _) => drop(target.write_bytes(&library.to_json())?),
-        (Format::Png, _, Some(scene)) => {
-            let drawing = drawing(opened, commands, library)?;
-            check_picture(scene, &drawing)?;
-            let picture = drawing.picture_with(scene, caller)?;
-            let seed = scene.parameters.as_ref().map(|p| p.seed);
-            target.place.write(|out| png::encode(&picture, seed, drawing.page(scene), out))?;
-        }
         (_, _, Some(scene)) => {
-            let drawing = drawing(opened, commands, library)?;
+            let drawing = drawing(opened, commands)?;
+            if format.uses().scale {
+                check_picture(scene, &drawing, format)?;
+            }
             target.write_scene(scene, drawing)?;
         }
         _ => return Err(Failure::failed("there is nothing to save yet").into()),
@@ -203,14 +199,15 @@ pub(super) fn write(
 /// Most pixels of a PNG that the page saves: it is in memory as a whole, four bytes each.
 const MOST_PIXELS: f64 = 100e6;
 
-/// Fails if the PNG of a scene would have too many pixels.
-fn check_picture(scene: &Scene, drawing: &DrawingOptions<'_>) -> Result<(), Failure> {
-    let [width, height] = drawing.size_of(scene, Format::Png);
+/// Fails if a file of a scene would have too many pixels.
+fn check_picture(scene: &Scene, drawing: &DrawingOptions<'_>, format: Format) -> Result<(), Failure> {
+    let [width, height] = drawing.size_of(scene, format);
     let pixels = |scale: f64| scale * scale * f64::from(scene.width) * f64::from(scene.height);
     if f64::from(width) * f64::from(height) <= MOST_PIXELS {
         return Ok(());
     }
-    let message = format!("a PNG of {width} x {height} px is too large for the studio");
+    let title = format.writer().endings[0].title;
+    let message = format!("a {title} of {width} x {height} px is too large for the studio");
     let most = (10.0 * (MOST_PIXELS / pixels(1.0)).sqrt()).floor() / 10.0;
     Err(Failure::failed(message)
         .hint(format!("set a scale of at most {most}, or run the command below, which has no such limit")))
@@ -220,24 +217,16 @@ fn check_picture(scene: &Scene, drawing: &DrawingOptions<'_>) -> Result<(), Fail
 ///
 /// # Errors
 /// Options out of range.
-pub(super) fn drawing(
-    opened: &Opened,
-    commands: &Commands,
-    library: Option<&Library>,
-) -> anyhow::Result<DrawingOptions<'static>> {
-    let (parameters, fits) = match (&commands.last, &commands.synth) {
+pub(super) fn drawing(opened: &Opened, commands: &Commands) -> anyhow::Result<DrawingOptions<'static>> {
+    let parameters = match (&commands.last, &commands.synth) {
         (Some(words), _) if opened.kind == InputKind::Scene && words[0] == "render" => {
-            (read::<RenderArgs>(words)?.resolved.parameters, false)
+            read::<RenderArgs>(words)?.resolved.parameters
         }
-        (Some(words), _) => (read::<EditArgs>(words)?.resolved.parameters, false),
-        (None, Some(words)) => (read::<SynthArgs>(words)?.resolved.parameters, true),
+        (Some(words), _) => read::<EditArgs>(words)?.resolved.parameters,
+        (None, Some(words)) => read::<SynthArgs>(words)?.resolved.parameters,
         (None, None) => return Err(Failure::failed("there is no texture to draw").into()),
     };
-    let svg = match library.filter(|_| fits) {
-        Some(library) => parameters.svg.fit(std::slice::from_ref(library)),
-        None => parameters.svg,
-    };
-    Ok(DrawingOptions { svg, render: parameters.render, recipe: None })
+    Ok(DrawingOptions { svg: parameters.svg, render: parameters.render, recipe: None })
 }
 
 /// Checks all options and operations, without work.
@@ -259,7 +248,7 @@ pub(super) fn check(opened: &Opened, settings: &StudioSettings) -> anyhow::Resul
         let ReadCommand { arguments, resolved, .. } = read::<EditArgs>(words)?;
         Editing::new(arguments, resolved.parameters, &|input| palette_of(settings, input))?;
     } else {
-        drawing(opened, &commands, None).map(drop)?;
+        drawing(opened, &commands).map(drop)?;
     }
     Ok(())
 }

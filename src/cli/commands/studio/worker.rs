@@ -250,7 +250,7 @@ fn variants(
             Some(words) => stages::edit(&scene, &of, words)?,
             None => scene,
         };
-        let drawing = stages::drawing(opened, &commands, Some(library))?;
+        let drawing = stages::drawing(opened, &commands)?;
         let [width, height] = scene.picture_size(1.0);
         let scale = (THUMBNAIL / f64::from(width.max(height))).min(1.0);
         let render = RenderParameters { scale, ..drawing.render };

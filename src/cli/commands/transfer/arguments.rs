@@ -1,5 +1,6 @@
 //! The arguments of `vtex transfer`.
 
+use crate::cli::format::{self, Lists};
 use crate::cli::number::Takes;
 use crate::cli::options::engine::EngineArgs;
 use crate::cli::options::files::ForceArgs;
@@ -71,11 +72,10 @@ pub(crate) struct TransferArgs {
     #[arg(long, number = StylizeParams::LEVELS, default_value_t = StylizeParams::LEVELS.default())]
     #[arg(help_heading = ONTO, conflicts_with = "structure")]
     pub(super) levels: u32,
-    /// Result: .svg, .svgz, .pdf, .png, .scene.json or .scene.json.gz [default: ./STRUCTURE.transfer.svg or
-    /// ./PICTURE.stylized.svg]
+    /// Result: {formats} [default: ./STRUCTURE.transfer.svg or ./PICTURE.stylized.svg]
     ///
     /// The file extension sets the format. - writes SVG to stdout. Several -o write several files
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long, value_name = "FILE", lists = format::OF_SCENE)]
     pub(super) output: Vec<PathBuf>,
     #[command(flatten)]
     pub(super) engine: EngineArgs,

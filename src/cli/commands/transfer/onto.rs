@@ -59,7 +59,7 @@ impl Redrawing {
 pub(super) fn run(common: &Common, reporter: &Reporter, job: &Redrawing) -> anyhow::Result<()> {
     let Redrawing { picture, with, params, svg, render, targets } = job;
     targets.probe()?;
-    if let Some(warning) = render.warning(targets.has(Format::Png)) {
+    if let Some(warning) = render.warning(targets.any_uses(|uses| uses.scale)) {
         reporter.warn(warning);
     }
     reporter.stage("reading")?;

@@ -79,7 +79,7 @@ struct TransferSummary<'a> {
 pub(super) fn run(common: &Common, reporter: &Reporter, job: &Transferring) -> anyhow::Result<()> {
     let Transferring { structure, appearances, map, params, svg, render, targets } = job;
     targets.probe()?;
-    if let Some(warning) = render.warning(targets.has(Format::Png)) {
+    if let Some(warning) = render.warning(targets.any_uses(|uses| uses.scale)) {
         reporter.warn(warning);
     }
     reporter.stage("reading")?;

@@ -36,18 +36,18 @@ mod similar;
 mod streaks;
 mod structure_classes;
 
-use super::PlacementContext;
 use super::grid::{CellRun, Grid};
 use super::model::{Content, PlacementModel, VariantId};
 use super::region::PlacementRegion;
 use super::turned::Turned;
+use super::{PlacementContext, Plan};
 use courses::Courses;
 use cover::Cover;
 use image::{Rgb, RgbImage};
 use instances::Kinds;
 use pages::Pages;
 use resolve::{Mapped, Resolution, Resolver};
-pub(crate) use secondaries::CopiedSecondary;
+pub(crate) use secondaries::SecondaryPlace;
 use serde::Serialize;
 use similar::Substitutes;
 use streaks::Streaks;
@@ -123,10 +123,11 @@ impl Correspondence {
     /// # Errors
     /// [`Error::Parameter`] if a library has no guide, [`Error::Interrupted`].
     pub(super) fn new(context: &PlacementContext<'_>, model: &PlacementModel) -> Result<Self> {
-        let PlacementContext { libraries, controls, params, progress, .. } = *context;
-        let structure = StructureClasses::new(libraries, controls);
+        let PlacementContext { plan, progress, .. } = *context;
+        let (libraries, params) = (&*plan.libraries, &plan.params);
+        let structure = StructureClasses::new(libraries, &plan.controls);
         let classes = structure.as_ref().map(StructureClasses::of_exemplar);
-        let lattices = lattices(libraries, params)?;
+        let lattices = lattices(plan)?;
         let wrap = [params.tile.x, params.tile.y];
         let margin = wrap.map(|w| if w { 0 } else { MARGIN });
         let pages = Pages::new(libraries, model, classes, &lattices, margin).ok_or_else(no_guide)?;
@@ -139,13 +140,13 @@ impl Correspondence {
             Some(classes) => Some(classes.of_cells([params.width, params.height], size, place)),
             None => shares::libraries(context, model, size, place),
         };
-        let field = match repeated(libraries, params, pages.cell, (size, margin)) {
+        let field = match repeated(plan, pages.cell, (size, margin)) {
             Some(field) if groups.is_none() => field,
             _ => {
                 let active = shares::active(context, size, place);
                 let (found, pages) = (&pages, &pages.pages);
                 let request = CanvasRequest { pages, size, wrap, groups, active, seed: params.seed };
-                let mut field = find_again(&request, context.memory, progress)?;
+                let mut field = find_again(&request, plan.memory, progress)?;
                 if let (None, [Some((lattice, phases))]) = (&request.groups, &lattices[..])
                     && let Some(streaks) = Streaks::find(&found.labels[0], lattice)
                 {
@@ -155,7 +156,7 @@ impl Correspondence {
             }
         };
         let this = Self { pages, field, lattices, margin };
-        progress.picture("correspondence", &|| this.picture(libraries, model, params));
+        progress.picture("correspondence", &|| this.picture(plan, model));
         progress.picture("islands", &|| this.islands_picture(params));
         Ok(this)
     }
@@ -175,7 +176,8 @@ impl Correspondence {
         context: &PlacementContext<'_>,
         model: &mut PlacementModel,
     ) -> Result<Carried> {
-        let PlacementContext { libraries, params, grid, region, progress, .. } = *context;
+        let PlacementContext { plan, grid, region, progress } = *context;
+        let (libraries, params) = (&*plan.libraries, &plan.params);
         let step = |done: u64| advance(progress, "carrying", done, 4);
         step(0)?;
         let kinds = Kinds::new(libraries, model);
@@ -339,11 +341,11 @@ impl Correspondence {
     }
 
     /// The guides' colours where the field points.
-    fn picture(&self, libraries: &[Library], model: &PlacementModel, params: &SynthParams) -> RgbImage {
-        RgbImage::from_fn(params.width, params.height, |x, y| {
+    fn picture(&self, plan: &Plan<'_>, model: &PlacementModel) -> RgbImage {
+        RgbImage::from_fn(plan.params.width, plan.params.height, |x, y| {
             let (page, at) = self.source([x as i32, y as i32]);
             let sheet = &self.pages.sheets[page];
-            let guide = libraries[sheet.library].guide.as_ref();
+            let guide = plan.libraries[sheet.library].guide.as_ref();
             let colour = guide
                 .zip(sheet.exemplar(model, at))
                 .map(|(g, [ex, ey])| *g.picture.0.get_pixel(ex as u32 / g.cell, ey as u32 / g.cell));
@@ -383,25 +385,25 @@ fn vary(
 ///
 /// # Errors
 /// [`Error::Periods`] if a canvas that repeats has no room for whole periods.
-fn lattices(libraries: &[Library], params: &SynthParams) -> Result<Vec<Option<(Lattice, Phases)>>> {
+fn lattices(plan: &Plan<'_>) -> Result<Vec<Option<(Lattice, Phases)>>> {
+    let params = &plan.params;
     let of = |library: &Library| {
         let Some(lattice) = params.lattice.of(library.lattice.as_ref())? else { return Ok(None) };
         let tile = [params.tile.x, params.tile.y];
         let phases = lattice.phases_of_tile([params.width, params.height], tile)?;
         Ok(Some((lattice, phases)))
     };
-    libraries.iter().map(of).collect()
+    plan.libraries.iter().map(of).collect()
 }
 
 /// The field that repeats a small tile, on a canvas of `size` cells with `margin` cells beside it. `None` if the only
 /// exemplar is no such tile, if another lattice is asked for, or if a canvas that repeats has no whole number of tiles.
 fn repeated(
-    libraries: &[Library],
-    params: &SynthParams,
+    plan: &Plan<'_>,
     cell: i32,
     (size, margin): ([usize; 2], [i32; 2]),
 ) -> Option<CorrespondenceField> {
-    let [library] = libraries else { return None };
+    let ([library], params) = (&*plan.libraries, &plan.params) else { return None };
     let exemplar = [library.arrangement.width, library.arrangement.height];
     let (canvas, wrap) = ([params.width, params.height], [params.tile.x, params.tile.y]);
     let fits = |k: usize| {

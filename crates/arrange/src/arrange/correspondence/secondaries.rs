@@ -15,9 +15,9 @@ const LEAST_COPIED: f64 = 0.4;
 /// Side of the buckets in which secondaries are sought, in pixels.
 const BUCKET: i32 = 8;
 
-/// A copied secondary.
+/// A secondary of a library at a place of the canvas, before it has a colour.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct CopiedSecondary {
+pub(crate) struct SecondaryPlace {
     /// Its index in its library.
     pub(crate) secondary: u32,
     /// Place of its origin on the canvas, in pixels.
@@ -55,7 +55,7 @@ impl Correspondence {
         library: &Library,
         number: usize,
         model: &PlacementModel,
-    ) -> Vec<CopiedSecondary> {
+    ) -> Vec<SecondaryPlace> {
         let cell = self.pages.cell;
         let mut placed = Vec::new();
         let on_page: Vec<Vec<PageSecondary>> = (0..self.pages.sheets.len())
@@ -82,8 +82,8 @@ impl Correspondence {
         placed
     }
 
-    fn copied_secondary(&self, page: usize, secondary: u32, at: [i32; 2]) -> CopiedSecondary {
-        CopiedSecondary { secondary, at, variation: self.pages.sheets[page].variation }
+    fn copied_secondary(&self, page: usize, secondary: u32, at: [i32; 2]) -> SecondaryPlace {
+        SecondaryPlace { secondary, at, variation: self.pages.sheets[page].variation }
     }
 
     /// The secondaries of a page by the cells of their origins.
@@ -112,8 +112,8 @@ impl Correspondence {
         library: &Library,
         number: usize,
         model: &PlacementModel,
-        placed: &[CopiedSecondary],
-    ) -> Vec<CopiedSecondary> {
+        placed: &[SecondaryPlace],
+    ) -> Vec<SecondaryPlace> {
         let cell = self.pages.cell;
         let shapes = SecondaryShapes::new(library);
         let mut votes: Vec<SecondaryVote> = Vec::new();

@@ -17,11 +17,11 @@ pub(super) fn libraries(
     size: [usize; 2],
     place: impl Fn(usize, usize) -> [i32; 2],
 ) -> Option<Vec<u8>> {
-    let PlacementContext { grid, region, params, .. } = *context;
+    let PlacementContext { plan, grid, region, .. } = *context;
     if !region.is_shared() {
         return None;
     }
-    let mut random = stream(params.seed, "correspondence/libraries", 0);
+    let mut random = stream(plan.params.seed, "correspondence/libraries", 0);
     let canvas = grid.canvas();
     let radius = f64::from(model.half.max(8));
     let sites = scattered(grid, radius, radius, &mut random);

@@ -3,9 +3,9 @@
 //! They do so if the drawing shows no order of their colours. In a chequerboard, a stripe or a plaid, elements that lie
 //! apart by some way have the same colour much more often, or less often, than by chance.
 
-use super::PeriodCopy;
 use super::relations::ElementRelations;
 use super::size_of;
+use crate::arrange::motifs::DrawnElement;
 use std::collections::BTreeMap;
 use vtex_base::geometry::{Affine, NearPoints, Outline, Point, Vec2, shortest_offset};
 use vtex_base::sampling::stream;
@@ -85,8 +85,8 @@ impl AlikeShapes {
     /// A share of the elements change places with others of their class and zone.
     pub(super) fn exchange(
         &self,
-        placed: &mut [PeriodCopy],
-        zone: impl Fn(&PeriodCopy) -> u8,
+        placed: &mut [DrawnElement],
+        zone: impl Fn(&DrawnElement) -> u8,
         (share, seed): (f64, u64),
     ) {
         let mut random = stream(seed, "synth/alike", 0);
@@ -245,8 +245,9 @@ mod tests {
         let library = tiles(|x, y| (x * x + 3 * y * y + x * y) % 7 % 3);
         let relations = ElementRelations::new(&library);
         let order = |k: usize| (0, k);
-        let copy = |k: usize| PeriodCopy { element: k, map: Affine::IDENTITY, order: order(k), motif: None };
-        let before: Vec<PeriodCopy> = (0..64).map(copy).collect();
+        let copy =
+            |k: usize| DrawnElement { element: k, map: Affine::IDENTITY, order: order(k), motif: None };
+        let before: Vec<DrawnElement> = (0..64).map(copy).collect();
         let mut of: Vec<Option<AlikeElement>> = Vec::new();
         for element in &library.elements {
             let by = bounds(&element.shapes).center() - bounds(&library.elements[0].shapes).center();
@@ -254,7 +255,7 @@ mod tests {
         }
         let mut after = before.clone();
         AlikeShapes { of }.exchange(&mut after, |_| 0, (1.0, 3));
-        let centre = |p: &PeriodCopy| p.map * relations.bounds[p.element].center();
+        let centre = |p: &DrawnElement| p.map * relations.bounds[p.element].center();
         assert!(before.iter().zip(&after).filter(|(a, b)| a.element != b.element).count() > 50);
         for (a, b) in before.iter().zip(&after) {
             assert!((centre(a) - centre(b)).hypot() < 1e-6 && a.order == b.order);

@@ -1,7 +1,8 @@
 //! The element on each pixel of the canvas, and a test of distances.
 
 use super::relations::{ElementRelations, with_holes};
-use super::{PeriodCopy, size_of};
+use super::size_of;
+use crate::arrange::motifs::DrawnElement;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
@@ -70,7 +71,7 @@ impl<'a> OccupiedCanvas<'a> {
     }
 
     /// The pixels of an element in a map, and the whole pixels by which they are moved.
-    fn mask(&mut self, p: &PeriodCopy) -> (Arc<Mask>, [i32; 2]) {
+    fn mask(&mut self, p: &DrawnElement) -> (Arc<Mask>, [i32; 2]) {
         let [a, b, c, d, e, f] = p.map.as_coeffs();
         let shift = [e, f].map(|v| libm::round(v).clamp(-1e9, 1e9) as i32);
         let is_solid = self.solid && self.relations.solid[p.element].is_some();
@@ -94,7 +95,11 @@ impl<'a> OccupiedCanvas<'a> {
     ///
     /// # Errors
     /// Those of `go_on`.
-    pub(super) fn write_all(&mut self, placed: &[PeriodCopy], go_on: impl Fn() -> Result<()>) -> Result<()> {
+    pub(super) fn write_all(
+        &mut self,
+        placed: &[DrawnElement],
+        go_on: impl Fn() -> Result<()>,
+    ) -> Result<()> {
         let mut order: Vec<usize> = (0..placed.len()).collect();
         order.sort_by_key(|&i| placed[i].order);
         for i in order {
@@ -149,7 +154,7 @@ impl<'a> OccupiedCanvas<'a> {
     }
 
     /// Writes `new` on the pixels of an element that hold `old`, or on all if `old` is 0.
-    pub(super) fn write(&mut self, p: &PeriodCopy, new: u32, old: u32) {
+    pub(super) fn write(&mut self, p: &DrawnElement, new: u32, old: u32) {
         let (mask, shift) = self.mask(p);
         let [dx, dy] = shift.map(i64::from);
         for s in mask.spans() {
@@ -162,7 +167,7 @@ impl<'a> OccupiedCanvas<'a> {
 
     /// Whether an element would be at a distance from all others; `clearance` is in units of that in the
     /// exemplar.
-    pub(super) fn fits(&mut self, p: &PeriodCopy, clearance: f64) -> bool {
+    pub(super) fn fits(&mut self, p: &DrawnElement, clearance: f64) -> bool {
         let (mask, shift) = self.mask(p);
         let reach = libm::ceil(clearance * f64::from(self.relations.clearance)) as i32;
         // The disc is sampled in rows at most as far apart as the shortest side of an element.
@@ -196,7 +201,7 @@ impl<'a> OccupiedCanvas<'a> {
 
     /// 0 for an element on the canvas, 1 for one on its border, 2 for one outside. Elements change places within
     /// one zone only, so that the coverage of each category stays.
-    pub(super) fn zone(&self, p: &PeriodCopy) -> u8 {
+    pub(super) fn zone(&self, p: &DrawnElement) -> u8 {
         let b = p.map.transform_rect_bbox(self.relations.bounds[p.element]);
         let axis = |wrap: bool, low: f64, high: f64, size: i32| match (low >= 0.0, high <= f64::from(size)) {
             _ if wrap => 0,
@@ -208,7 +213,7 @@ impl<'a> OccupiedCanvas<'a> {
     }
 
     /// Centre of an element's bounds.
-    pub(super) fn centre(&self, p: &PeriodCopy) -> Point {
+    pub(super) fn centre(&self, p: &DrawnElement) -> Point {
         p.map * self.relations.bounds[p.element].center()
     }
 
@@ -218,7 +223,7 @@ impl<'a> OccupiedCanvas<'a> {
     /// Those of `go_on`.
     pub(super) fn covered(
         mut self,
-        placed: &[PeriodCopy],
+        placed: &[DrawnElement],
         go_on: impl Fn() -> Result<()>,
     ) -> Result<Vec<f64>> {
         // What is seen through holes is not covered.

@@ -1,8 +1,8 @@
 //! Elements of a drawing exchange places, move at random, and then move away from their neighbours. No two come
 //! nearer to each other than elements of the exemplar.
 
-use super::PeriodCopy;
 use super::canvas::OccupiedCanvas;
+use crate::arrange::motifs::DrawnElement;
 use std::f64::consts::TAU;
 use vtex_base::error::Result;
 use vtex_base::geometry::{Affine, NearPoints, Point, Vec2, rotation, shortest_offset};
@@ -73,7 +73,7 @@ impl OccupiedCanvas<'_> {
     /// Those of `go_on`.
     pub(super) fn vary(
         &mut self,
-        placed: &mut [PeriodCopy],
+        placed: &mut [DrawnElement],
         share: f64,
         seed: u64,
         go_on: impl Fn() -> Result<()>,
@@ -112,7 +112,7 @@ impl OccupiedCanvas<'_> {
     }
 
     /// The places of the elements `moving`, each occupied by its own element.
-    fn sites(&self, placed: &[PeriodCopy], moving: &[usize]) -> ExchangePlaces {
+    fn sites(&self, placed: &[DrawnElement], moving: &[usize]) -> ExchangePlaces {
         let places: Vec<Point> = moving.iter().map(|&i| self.centre(&placed[i])).collect();
         let reach = COPIES * self.relations.spacing;
         let near = NearPoints::new(&places, self.periods(), reach);
@@ -122,13 +122,13 @@ impl OccupiedCanvas<'_> {
     /// Exchanges the element of a site with another of similar size.
     fn exchange(
         &mut self,
-        placed: &mut [PeriodCopy],
+        placed: &mut [DrawnElement],
         sites: &mut ExchangePlaces,
         n: usize,
         random: &mut Stream,
     ) {
         let relations = self.relations;
-        let extent = |p: &PeriodCopy| {
+        let extent = |p: &DrawnElement| {
             let b = relations.bounds[p.element];
             libm::hypot(b.width(), b.height())
         };
@@ -156,15 +156,15 @@ impl OccupiedCanvas<'_> {
         }
     }
 
-    /// Whether the way between two elements leads across bands of one of them.
-    fn crosses_bands(&self, a: &PeriodCopy, b: &PeriodCopy) -> bool {
+    /// Whether the way between two elements leads across bands.
+    fn crosses_bands(&self, a: &DrawnElement, b: &DrawnElement) -> bool {
         let way = shortest_offset(self.centre(a), self.centre(b), self.periods());
         let far = [way.x, way.y].map(|d| d.abs() > FARTHEST * self.relations.spacing);
-        [a, b].iter().any(|p| (0..2).any(|k| far[k] && !self.relations.moves_along[p.element][k]))
+        (0..2).any(|k| far[k] && !self.relations.moves_along[k])
     }
 
     /// Exchanges two elements if both fit; whether they did.
-    fn try_swap(&mut self, placed: &mut [PeriodCopy], [a, b]: [usize; 2], random: &mut Stream) -> bool {
+    fn try_swap(&mut self, placed: &mut [DrawnElement], [a, b]: [usize; 2], random: &mut Stream) -> bool {
         let (old_a, old_b) = (placed[a], placed[b]);
         self.write(&old_a, 0, a as u32 + 1);
         self.write(&old_b, 0, b as u32 + 1);
@@ -187,7 +187,7 @@ impl OccupiedCanvas<'_> {
     /// Moves an element within the canvas by a step of a random walk. Large elements find no partner to exchange
     /// places with, and leave the place of the period in this way. Elements at the border do not move, because
     /// the coverage of their category would change.
-    fn walk(&mut self, placed: &mut [PeriodCopy], i: usize, share: f64, random: &mut Stream) {
+    fn walk(&mut self, placed: &mut [DrawnElement], i: usize, share: f64, random: &mut Stream) {
         let old = placed[i];
         if self.zone(&old) != 0 {
             return;
@@ -198,7 +198,7 @@ impl OccupiedCanvas<'_> {
         let clearance = CLEARANCES[self.clearances(&old).saturating_sub(2)];
         for _ in 0..STEPS {
             let stride = STRIDES[random.index(STRIDES.len())];
-            let by = self.step(&old, stride * share, random);
+            let by = self.step(stride * share, random);
             let new = self.moved_to(&old, centre + by, random);
             if self.zone(&new) == 0 && self.fits(&new, clearance) {
                 placed[i] = new;
@@ -210,13 +210,13 @@ impl OccupiedCanvas<'_> {
 
     /// Moves an element to a nearby place that is farther from others, if one is found, turned by an angle at
     /// which equal elements occur.
-    fn separate(&mut self, placed: &mut [PeriodCopy], i: usize, share: f64, random: &mut Stream) {
+    fn separate(&mut self, placed: &mut [DrawnElement], i: usize, share: f64, random: &mut Stream) {
         let old = placed[i];
         self.write(&old, 0, i as u32 + 1);
         let (centre, zone) = (self.centre(&old), self.zone(&old));
         let mut kept = self.clearances(&old);
         for _ in 0..SHIFTS {
-            let by = self.step(&old, share, random);
+            let by = self.step(share, random);
             let new = self.moved_to(&old, centre + by, random);
             if kept == CLEARANCES.len() || self.zone(&new) != zone {
                 continue;
@@ -231,21 +231,21 @@ impl OccupiedCanvas<'_> {
     }
 
     /// Number of clearances that an element has at its place.
-    fn clearances(&mut self, p: &PeriodCopy) -> usize {
+    fn clearances(&mut self, p: &DrawnElement) -> usize {
         CLEARANCES.iter().take_while(|c| self.fits(p, **c)).count()
     }
 
-    /// A random shift, at most `length` of the farthest, along the axes on which the element may move.
-    fn step(&self, p: &PeriodCopy, length: f64, random: &mut Stream) -> Vec2 {
+    /// A random shift, at most `length` of the farthest, along the axes on which elements may move.
+    fn step(&self, length: f64, random: &mut Stream) -> Vec2 {
         let reach = length * FARTHEST * self.relations.spacing;
-        let [x, y] = self.relations.moves_along[p.element]
-            .map(|moves| random.range(-reach, reach) * f64::from(u8::from(moves)));
+        let along = |moves: bool| random.range(-reach, reach) * f64::from(u8::from(moves));
+        let [x, y] = self.relations.moves_along.map(along);
         Vec2::new(x, y)
     }
 
     /// A copy with its centre at a place, turned by a random angle at which equal elements occur. The place is
     /// wrapped along axes that repeat.
-    fn moved_to(&self, p: &PeriodCopy, mut place: Point, random: &mut Stream) -> PeriodCopy {
+    fn moved_to(&self, p: &DrawnElement, mut place: Point, random: &mut Stream) -> DrawnElement {
         let class = self.relations.equal[p.element];
         let angles = self.relations.angles.get(&class.first).map_or(&[][..], Vec::as_slice);
         // The element's angle in the exemplar, relative to the first of its class.
@@ -271,7 +271,7 @@ impl OccupiedCanvas<'_> {
         let shift = place - linear * centre;
         // `fits` tests whole pixels.
         let map = Affine::translate(Vec2::new(libm::round(shift.x), libm::round(shift.y))) * linear;
-        PeriodCopy { map, ..*p }
+        DrawnElement { map, ..*p }
     }
 }
 

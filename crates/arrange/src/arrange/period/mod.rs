@@ -21,7 +21,7 @@ mod relations;
 #[cfg(test)]
 mod tests;
 
-use crate::arrange::motifs::MotifUnits;
+use crate::arrange::motifs::{DrawnElement, MotifUnits};
 use alike::AlikeShapes;
 use canvas::{MOST_PIXELS, OccupiedCanvas};
 use parts::TakenApart;
@@ -38,23 +38,10 @@ use std::collections::BTreeMap;
 /// Places that differ by at most this are the same, in pixels.
 const SAME: f64 = 2.0;
 
-/// An element of the library at a place of the canvas.
-#[derive(Clone, Copy)]
-pub(crate) struct PeriodCopy {
-    /// Index of the element.
-    pub(crate) element: usize,
-    /// The map from its place in the exemplar to that on the canvas.
-    pub(crate) map: Affine,
-    /// Index of its layer in the library, and its place in the painting order there.
-    pub(crate) order: (usize, usize),
-    /// Number of the motif of which it is a part.
-    pub(crate) motif: Option<u32>,
-}
-
 /// The result of placement.
 pub(crate) struct Repeated {
     /// All elements on the canvas, and those beside it that change places with them.
-    pub(crate) placed: Vec<PeriodCopy>,
+    pub(crate) placed: Vec<DrawnElement>,
     /// The class of equal elements that each element of the library belongs to.
     pub(crate) equal: Vec<SimilarTo>,
     /// Bounds of each element of the library, in the exemplar.
@@ -70,8 +57,7 @@ pub(crate) struct Repeated {
 /// Repeats the period of a library on a canvas.
 ///
 /// # Errors
-/// [`Error::Parameter`] for a canvas that is to repeat along an axis and is not a whole number of
-/// periods long there; [`Error::TooLarge`] for too many copies; [`Error::Interrupted`].
+/// [`Error::TooLarge`] for too many copies; [`Error::Interrupted`].
 pub(crate) fn place(library: &Library, params: &SynthParams, progress: &dyn Progress) -> Result<Repeated> {
     place_within(library, params, MOST_PIXELS, progress)
 }
@@ -83,7 +69,6 @@ fn place_within(
     most: u64,
     progress: &dyn Progress,
 ) -> Result<Repeated> {
-    check_periods(library, params)?;
     check_copies(library, params)?;
     advance(progress, "primaries", 0, 2)?;
     // Motifs are placed as wholes and then taken apart.
@@ -144,17 +129,16 @@ fn size_of(library: &Library) -> [f64; 2] {
     [library.source.width, library.source.height].map(f64::from)
 }
 
-/// Refuses a canvas that is to repeat along an axis and is not, when rounded to pixels, a whole number of periods
+/// Refuses a canvas that is to repeat along an axis and is not, when rounded to pixels, a whole number of periods of a page
 /// long there.
 ///
 /// # Errors
 /// [`Error::DrawingPeriods`].
-pub(crate) fn check_periods(library: &Library, params: &SynthParams) -> Result<()> {
+pub(crate) fn check_periods([w, h]: [f64; 2], params: &SynthParams) -> Result<()> {
     let whole = |size: u32, period: f64| {
         let count = libm::round(f64::from(size) / period).max(1.0);
         libm::round(count * period) as u32
     };
-    let [w, h] = library.page();
     let near = |tile: bool, size: u32, period: f64| if tile { whole(size, period) } else { size };
     let [width, height] = [near(params.tile.x, params.width, w), near(params.tile.y, params.height, h)];
     if [width, height] == [params.width, params.height] {
@@ -215,7 +199,7 @@ fn copies(library: &Library, canvas: [f64; 2], tile: [bool; 2]) -> (f64, f64) {
 }
 
 /// All copies of all elements that reach the canvas or its margin; along axes that repeat, each once.
-fn repeated(library: &Library, params: &SynthParams, relations: &ElementRelations) -> Vec<PeriodCopy> {
+fn repeated(library: &Library, params: &SynthParams, relations: &ElementRelations) -> Vec<DrawnElement> {
     let period = size_of(library);
     let canvas = [params.width, params.height].map(f64::from);
     let tile = [params.tile.x, params.tile.y];
@@ -236,7 +220,7 @@ fn repeated(library: &Library, params: &SynthParams, relations: &ElementRelation
                 for i in range(0, b.x0, b.x1) {
                     let shift = Vec2::new(i as f64 * period[0], j as f64 * period[1]);
                     let map = Affine::translate(shift) * own;
-                    placed.push(PeriodCopy {
+                    placed.push(DrawnElement {
                         element: instance.element.index(),
                         map,
                         order: (l, n),
@@ -253,12 +237,12 @@ fn repeated(library: &Library, params: &SynthParams, relations: &ElementRelation
 fn repeating(
     library: &Library,
     params: &SynthParams,
-    placed: &[PeriodCopy],
+    placed: &[DrawnElement],
     relations: &ElementRelations,
 ) -> Option<f64> {
     let period = size_of(library);
     let size = [f64::from(params.width), f64::from(params.height)];
-    let at = |p: &PeriodCopy| {
+    let at = |p: &DrawnElement| {
         let SimilarTo { first, map } = relations.equal[p.element];
         let map = p.map * map;
         (first, map, map * relations.bounds[first].center())

@@ -115,23 +115,14 @@ const BANDS: [usize; 2] = [6, 24];
 /// squares are beyond it.
 const UNEVEN: [f64; 2] = [0.5, 5.0];
 
-/// For each element, whether its category is spread evenly over bands across x and across y.
-pub(super) fn without_bands(
-    elements: &[ExemplarElement],
-    centres: &[Point],
-    size: [i32; 2],
-) -> Vec<[bool; 2]> {
-    let mut even = vec![[true; 2]; elements.len()];
-    for members in members(elements).into_values() {
-        for axis in 0..2 {
-            let length = f64::from(size[axis]);
-            let places =
-                members.iter().map(|&k| [centres[k].x, centres[k].y][axis].rem_euclid(length) / length);
-            let banded = is_banded(places);
-            members.iter().for_each(|&k| even[k][axis] &= !banded);
-        }
-    }
-    even
+/// Whether every category is spread evenly along x, and along y: else elements that move across bands would blur them.
+pub(super) fn is_even(elements: &[ExemplarElement], centres: &[Point], size: [i32; 2]) -> [bool; 2] {
+    let members = members(elements);
+    [0, 1].map(|axis| {
+        let length = f64::from(size[axis]);
+        let place = |k: &usize| [centres[*k].x, centres[*k].y][axis].rem_euclid(length) / length;
+        !members.values().any(|members| is_banded(members.iter().map(place)))
+    })
 }
 
 /// The elements of each category that are not endless.

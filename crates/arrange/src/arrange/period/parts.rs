@@ -1,9 +1,8 @@
 //! Motifs of a drawing taken apart into their elements, which then move as far as the drawing's own copies of
 //! the motif differ.
 
-use super::PeriodCopy;
 use super::canvas::OccupiedCanvas;
-use crate::arrange::motifs::MotifUnits;
+use crate::arrange::motifs::{DrawnElement, MotifUnits};
 use vtex_base::error::Result;
 use vtex_base::geometry::{Affine, Vec2};
 use vtex_base::sampling::{Stream, stream};
@@ -15,13 +14,13 @@ const TRIES: usize = 4;
 
 /// The elements of placed units.
 pub(super) struct TakenApart {
-    pub(super) placed: Vec<PeriodCopy>,
+    pub(super) placed: Vec<DrawnElement>,
     /// For each unit of more than one element: its number, its map, and the index of its first element.
     wholes: Vec<(usize, Affine, usize)>,
 }
 
 impl TakenApart {
-    pub(super) fn new(units: &MotifUnits, placed: &[PeriodCopy]) -> Self {
+    pub(super) fn new(units: &MotifUnits, placed: &[DrawnElement]) -> Self {
         let mut apart = Self { placed: Vec::with_capacity(placed.len()), wholes: Vec::new() };
         for (unit, number) in placed.iter().zip(0..) {
             let motif = units.kind(unit.element).map(|_| number);
@@ -29,12 +28,8 @@ impl TakenApart {
             if parts.len() > 1 {
                 apart.wholes.push((unit.element, unit.map, apart.placed.len()));
             }
-            apart.placed.extend(parts.iter().map(|part| PeriodCopy {
-                element: part.element,
-                map: unit.map * part.map,
-                order: part.order,
-                motif,
-            }));
+            let part = |part: &DrawnElement| DrawnElement { map: unit.map * part.map, motif, ..*part };
+            apart.placed.extend(parts.iter().map(part));
         }
         apart
     }
@@ -80,7 +75,7 @@ impl TakenApart {
 impl OccupiedCanvas<'_> {
     /// Moves the parts of a motif, of which the first is the element number `first`, by the first of the
     /// vectors `tried` with which all fit.
-    fn move_parts(&mut self, parts: &mut [PeriodCopy], first: usize, tried: &[Vec<Vec2>]) {
+    fn move_parts(&mut self, parts: &mut [DrawnElement], first: usize, tried: &[Vec<Vec2>]) {
         let label = |k: usize| (first + k) as u32 + 1;
         if parts.iter().any(|p| self.zone(p) != 0) || tried.iter().flatten().all(|v| v.hypot() < LEAST) {
             return;
@@ -88,8 +83,8 @@ impl OccupiedCanvas<'_> {
         parts.iter().enumerate().for_each(|(k, p)| self.write(p, 0, label(k)));
         for by in tried {
             let moved =
-                |(p, by): (&PeriodCopy, &Vec2)| PeriodCopy { map: Affine::translate(*by) * p.map, ..*p };
-            let new: Vec<PeriodCopy> = parts.iter().zip(by).map(moved).collect();
+                |(p, by): (&DrawnElement, &Vec2)| DrawnElement { map: Affine::translate(*by) * p.map, ..*p };
+            let new: Vec<DrawnElement> = parts.iter().zip(by).map(moved).collect();
             if new.iter().all(|p| self.zone(p) == 0 && self.fits(p, 1.0)) {
                 parts.copy_from_slice(&new);
                 break;

@@ -34,8 +34,8 @@ pub(super) struct ElementRelations {
     pub(super) solid: Vec<Option<Arc<Mask>>>,
     /// Whether each element touches no other, is not endless, and is in no line of elements.
     pub(super) free: Vec<bool>,
-    /// Whether each element may move along x and y: not across bands, in which there are more of its category.
-    pub(super) moves_along: Vec<[bool; 2]>,
+    /// Whether elements may move along x and y: not across bands.
+    pub(super) moves_along: [bool; 2],
     /// Angles by which equal elements are turned, in radians; by the first element.
     pub(super) angles: BTreeMap<usize, Vec<f64>>,
     /// Least distance between elements, in pixels: three quarters of the usual smallest gap.
@@ -86,7 +86,7 @@ impl ElementRelations {
             line.into_iter().for_each(|k| free[k] = false);
         }
         Self {
-            moves_along: order::without_bands(elements, &centres, size),
+            moves_along: order::is_even(elements, &centres, size),
             first_like,
             first_equal,
             equal,
