@@ -187,7 +187,7 @@ pub mod output {
         #[doc(inline)]
         pub use vtex_output::formats::{Ending, FileKind, Format, Uses, WriteOptions, Writer, endings};
         #[doc(inline)]
-        pub use vtex_output::writing::{BackgroundChoice, PreparedFile, packed_ending, users_of};
+        pub use vtex_output::writing::{BackgroundChoice, PreparedFile, coloured, packed_ending, users_of};
     }
     /// Layer maps → PNG, SVG and JSON; values → PNG of 16 bits.
     pub mod layer_map {

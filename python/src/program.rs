@@ -11,8 +11,8 @@ use std::path::PathBuf;
 pub(crate) fn run_program(py: Python<'_>, arguments: Vec<OsString>, script: Option<PathBuf>) -> u8 {
     py.detach(|| {
         let code = vtex::program::run(arguments, script);
-        // Rust does this at the end of its own programs; Python does not know the buffer. As there, an error is
-        // ignored: commands flush their results themselves.
+        // Programs in Rust do this at their end; Python does not know this buffer. An error does not matter, because
+        // commands flush their results themselves.
         let _ = stdout().flush();
         code
     })

@@ -7,11 +7,11 @@ use std::borrow::Cow;
 use std::io::{self, Write};
 use std::path::Path;
 use vtex::output::file::{
-    BackgroundChoice, FileKind, Format, PreparedFile, WriteOptions, endings, gzip, users_of, write_file,
+    BackgroundChoice, FileKind, Format, PreparedFile, WriteOptions, coloured, endings, gzip, users_of,
+    write_file,
 };
 use vtex::output::seal::Sealed;
 use vtex::output::svg::SvgOptions;
-use vtex::raster::colour::Colour;
 use vtex::raster::css;
 use vtex::scene::Scene;
 use vtex::{Error, Progress, Result};
@@ -38,11 +38,7 @@ fn in_memory(error: io::Error) -> Error {
     Error::write(Path::new("memory"), error)
 }
 
-/// The colour that a parameter names.
-fn colour(name: &'static str, text: &str, allowed: &'static str) -> Result<Colour> {
-    css::colour(text).ok_or_else(|| not_a_colour(name, text, allowed))
-}
-
+/// The error of a parameter whose text names no colour.
 fn not_a_colour(name: &'static str, text: &str, allowed: &'static str) -> Error {
     let value = format!("'{}'", text.chars().take(24).collect::<String>());
     Error::Parameter { name, value, allowed: allowed.into() }
@@ -53,16 +49,14 @@ impl WritingOptions {
     ///
     /// # Errors [`Error::Parameter`] for text that is not a colour; those of [`Scene::with_ink`].
     pub(crate) fn scene<'s>(&self, scene: &'s Scene) -> Result<Cow<'s, Scene>> {
-        let ink = self.ink.as_deref().map(|text| colour("ink", text, "#rrggbb, #rgb or a name of CSS"));
-        let paper = self.background.as_deref().map(|text| {
-            let background = text.parse().map(BackgroundChoice::colour);
-            background.map_err(|_| not_a_colour("background", text, "#rrggbb, #rgb, a name of CSS, or none"))
+        let ink = self.ink.as_deref().map(|text| {
+            css::colour(text).ok_or_else(|| not_a_colour("ink", text, "#rrggbb, #rgb or a name of CSS"))
         });
-        Ok(match (ink.transpose()?, paper.transpose()?) {
-            (None, None) => Cow::Borrowed(scene),
-            (None, Some(paper)) => Cow::Owned(scene.clone().with_background(paper)),
-            (Some(ink), paper) => Cow::Owned(scene.clone().with_ink(ink, paper)?),
-        })
+        let background = self.background.as_deref().map(|text| {
+            let choice = text.parse::<BackgroundChoice>();
+            choice.map_err(|_| not_a_colour("background", text, "#rrggbb, #rgb, a name of CSS, or none"))
+        });
+        coloured(Cow::Borrowed(scene), ink.transpose()?, background.transpose()?)
     }
 
     fn options(&self) -> WriteOptions<'static> {

@@ -137,7 +137,7 @@ def script() -> str:
 
 @pytest.fixture(params=["module", "script"])
 def packaged(request, tmp_path):
-    """A function that runs the program of the package in a folder of its own, and returns its result."""
+    """Return a function that runs the program of the package in a new folder."""
     command = [sys.executable, "-m", "vtex"] if request.param == "module" else [script()]
 
     def run(*arguments, **options):

@@ -19,8 +19,7 @@ use vtex::flow::Flowing;
 use vtex::interpolate::Interpolation;
 use vtex::library::Library;
 use vtex::output::file::{
-    BackgroundChoice, FileKind, Format, PreparedFile, Uses, WriteOptions, remove_abandoned, users_of,
-    write_file,
+    FileKind, Format, PreparedFile, Uses, WriteOptions, coloured, remove_abandoned, users_of, write_file,
 };
 use vtex::output::reduce::GivenUp;
 use vtex::output::seal::Sealed;
@@ -132,12 +131,7 @@ impl DrawingOptions<'_> {
             true => Cow::Borrowed(scene),
             false => Cow::Owned(Scene { page, ..scene.clone() }),
         };
-        let paper = self.render.background.map(BackgroundChoice::colour);
-        Ok(match (self.render.ink, paper) {
-            (None, None) => scene,
-            (None, Some(paper)) => Cow::Owned(scene.into_owned().with_background(paper)),
-            (Some(ink), paper) => Cow::Owned(scene.into_owned().with_ink(ink, paper)?),
-        })
+        coloured(scene, self.render.ink, self.render.background)
     }
 
     /// Size of a scene that is written in a format, in pixels: that of a picture, or of the canvas of a vector file on a

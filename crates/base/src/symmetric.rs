@@ -1,4 +1,4 @@
-//! Eigenvectors and roots of symmetric matrices.
+//! Small matrices: eigenvectors and roots of symmetric ones, inverses.
 
 /// A small square matrix, mostly symmetric.
 #[derive(Clone, Debug)]
@@ -84,6 +84,17 @@ impl Symmetric {
             (vectors.data[k * n + p], vectors.data[k * n + q]) = (cos * x - sin * y, sin * x + cos * y);
         }
     }
+}
+
+/// The inverse of a matrix of three rows; `None` if it has none.
+pub fn inverse(m: &[[f64; 3]; 3]) -> Option<[[f64; 3]; 3]> {
+    let minor = |r: usize, c: usize| {
+        let [r1, r2, c1, c2] = [(r + 1) % 3, (r + 2) % 3, (c + 1) % 3, (c + 2) % 3];
+        m[r1][c1] * m[r2][c2] - m[r1][c2] * m[r2][c1]
+    };
+    let determinant: f64 = (0..3).map(|k| m[0][k] * minor(0, k)).sum();
+    let found: [[f64; 3]; 3] = std::array::from_fn(|r| std::array::from_fn(|c| minor(c, r) / determinant));
+    found.iter().flatten().all(|v| v.is_finite()).then_some(found)
 }
 
 #[cfg(test)]

@@ -91,12 +91,28 @@ pub fn users_of(option: fn(&Uses) -> bool) -> String {
     }
 }
 
-/// The ending of a packed form of a kind of file that is known by its title, such as `SVG`; `None` if there is none or
-/// it is packed.
+/// The ending of the packed form of files that messages call `title`: `.svgz` for `SVG`. `None` for files that are
+/// packed, or never are.
 pub fn packed_ending(title: &str) -> Option<&'static str> {
-    let kind = FileKind::all().find(|kind| kind.ending().title == title)?;
-    let packed = FileKind { gzip: true, ..kind };
-    FileKind::all().find(|other| *other == packed && !kind.gzip).map(|kind| kind.ending().text)
+    let kind = FileKind::all().find(|kind| kind.ending().title == title && !kind.gzip)?;
+    kind.format.writer().endings.iter().find(|ending| ending.gzip).map(|ending| ending.text)
+}
+
+/// A scene in another ink and with another background, where these are given.
+///
+/// # Errors
+/// Those of [`Scene::with_ink`].
+pub fn coloured<'s>(
+    scene: Cow<'s, Scene>,
+    ink: Option<Colour>,
+    background: Option<BackgroundChoice>,
+) -> Result<Cow<'s, Scene>> {
+    let paper = background.map(BackgroundChoice::colour);
+    Ok(match (ink, paper) {
+        (None, None) => scene,
+        (None, Some(paper)) => Cow::Owned(scene.into_owned().with_background(paper)),
+        (Some(ink), paper) => Cow::Owned(scene.into_owned().with_ink(ink, paper)?),
+    })
 }
 
 /// The background between the elements, in place of the scene's.

@@ -77,6 +77,7 @@ def _colour(value: object, role: str) -> str:
 
 
 def _colour_or_picture(value: Any, role: str, files: _Files) -> str:
+    # Text is a colour if it names one, else the path of a picture.
     is_path = isinstance(value, str) and _vtex.colour(value) is None and _inputs.names_file(value)
     if is_path or not isinstance(value, (str, tuple, list)):
         return files.add(value, role)
@@ -97,10 +98,10 @@ _READERS: dict[str, Callable[[Any, str, _Files], Any]] = {
 def _read(value: Any, field: Field[Any], files: _Files) -> Any:
     declared = str(field.type)
     kind = declared.removesuffix(" | None")
-    if value is None and kind != declared:
-        return None
-    reader = _READERS.get(kind)
-    return value if reader is None else reader(value, field.name, files)
+    is_optional = kind != declared
+    if (value is None and is_optional) or kind not in _READERS:
+        return value
+    return _READERS[kind](value, field.name, files)
 
 
 _SHARED = """layer : str, optional

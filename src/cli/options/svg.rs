@@ -75,7 +75,7 @@ impl SvgForm {
 /// How an SVG is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub(crate) struct SvgParameters {
-    /// What it is for.
+    /// A picture, or a tile for fills.
     #[serde(rename = "as", skip_serializing_if = "SvgForm::is_picture")]
     pub(crate) form: SvgForm,
     /// Decimals of numbers.

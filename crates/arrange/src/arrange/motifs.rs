@@ -203,8 +203,8 @@ impl MotifUnits {
 }
 
 impl UnitMotif {
-    /// The rigid map to another motif of the kind; mirrored only if that fits better, and not turned if the centres of one
-    /// do not tell how. The longest part tells the angle exactly.
+    /// The rigid map to another motif of the kind, mirrored only if that fits better. The centres of the parts give a first
+    /// angle, and the longest part corrects it. Centres that lie close together give none.
     fn map_to(&self, other: &Self) -> Affine {
         if !(self.has_direction && other.has_direction) {
             return Affine::translate(mean(&other.centres) - mean(&self.centres));

@@ -91,9 +91,8 @@ mod tests {
         let expanded = text(&scene, true);
         assert!(!expanded.contains("currentColor") && !expanded.contains("class=\"ink\""));
         let [a, b] = [expanded, text(&scene, false)].map(|text| pixels(&text));
-        let sum: u64 = a.iter().zip(&b).map(|(a, b)| u64::from(a.abs_diff(*b))).sum();
-        let mean = sum as f64 / a.len() as f64;
-        assert!(mean < 0.05, "{mean}");
+        let differing = a.chunks(4).zip(b.chunks(4)).filter(|(a, b)| a[0].abs_diff(b[0]) > 32).count();
+        assert!(differing < 30, "single pixels where dashes and anti-aliasing round otherwise: {differing}");
     }
 
     #[test]

@@ -126,12 +126,13 @@ impl Profile {
         let lines = &sums[first..last];
         [0, 1].map(|k| {
             let variance = (squares[k] * step as f64 / (width * height) as f64).max(f64::MIN_POSITIVE);
-            let mean = |s: &[f32; 3]| f64::from(s[k] / s[2]);
+            // The mean of each line, and its number of pixels.
+            let means: Vec<(f64, f32)> = lines.iter().map(|s| (f64::from(s[k] / s[2]), s[2])).collect();
             let at = |lag: usize| {
-                let pairs = lines.iter().zip(&lines[lag..]);
+                let pairs = means.iter().zip(&means[lag..]);
                 let (sum, weight) = pairs.fold((0.0, 0.0), |(sum, weight), (a, b)| {
-                    let own = f64::from(a[2] * b[2]);
-                    (sum + own * mean(a) * mean(b), weight + own)
+                    let own = f64::from(a.1 * b.1);
+                    (sum + own * a.0 * b.0, weight + own)
                 });
                 sum / weight / variance
             };

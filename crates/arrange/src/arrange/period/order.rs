@@ -161,10 +161,14 @@ const IN_LINE: usize = 6;
 const OFF_LINE: f64 = 0.2;
 /// Longest step of a line, in mean distances between elements of its category.
 const STEP: f64 = 1.5;
+/// Neighbours of an element to which lines are begun, the nearest ones, and most elements among which lines are sought.
+const BEGUN: usize = 8;
+const MOST_IN_LINES: usize = 4_000;
 
 /// Lines of elements of one category that follow each other at equal distances and turn little, such as dotted lines.
 pub(super) fn lines(elements: &[ExemplarElement], centres: &[Point], size: [i32; 2]) -> Vec<Vec<usize>> {
-    let members = members(elements).into_values().filter(|members| members.len() >= IN_LINE);
+    let few = IN_LINE..=MOST_IN_LINES;
+    let members = members(elements).into_values().filter(|members| few.contains(&members.len()));
     members.flat_map(|members| lines_within(centres, &members, size.map(f64::from))).collect()
 }
 
@@ -187,13 +191,15 @@ fn lines_within(centres: &[Point], members: &[usize], size: [f64; 2]) -> Vec<Vec
     };
     let mut found = Vec::new();
     for first in 0..members.len() {
-        let mut seconds = Vec::new();
+        let mut seconds: Vec<(f64, usize)> = Vec::new();
         near.each(places[first], |k| {
-            if k != first && way(first, k).hypot() <= reach {
-                seconds.push(k);
+            let step = way(first, k).hypot();
+            if step > 0.0 && step <= reach {
+                seconds.push((step, k));
             }
         });
-        for second in seconds {
+        seconds.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        for (_, second) in seconds.into_iter().take(BEGUN) {
             let mut line = vec![first, second];
             let mut step = way(first, second);
             while let Some(k) = next(line[line.len() - 1], step).filter(|k| !line.contains(k)) {
@@ -244,5 +250,10 @@ mod tests {
         let is_arc = |line: &Vec<usize>| (200..210).all(|k| line.contains(&k));
         assert!(found.iter().any(is_arc), "{found:?}");
         assert!(by_chance <= 4, "{by_chance}");
+        // Of dots in one place, lines are begun to few.
+        let heap: Vec<Point> =
+            (0..900).map(|_| Point::new(random.range(0.0, 2.0), random.range(0.0, 2.0))).collect();
+        let all: Vec<usize> = (0..heap.len()).collect();
+        assert!(lines_within(&heap, &all, size).len() <= BEGUN * heap.len());
     }
 }

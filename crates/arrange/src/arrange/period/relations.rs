@@ -82,16 +82,19 @@ impl ElementRelations {
         let first_equal: Vec<usize> = equal.iter().map(|e| e.first).collect();
         let first_like = first_like(elements, &first_equal);
         let centres: Vec<Point> = bounds.iter().map(Rect::center).collect();
-        for line in order::lines(elements, &centres, size) {
-            line.into_iter().for_each(|k| free[k] = false);
+        // Elements of a regular drawing move only if they are asked to, and then those of its lines, too.
+        if !regular {
+            for line in order::lines(elements, &centres, size) {
+                line.into_iter().for_each(|k| free[k] = false);
+            }
         }
         Self {
             moves_along: order::is_even(elements, &centres, size),
+            solid: solid(elements, &masks, &on_page, size),
             first_like,
             first_equal,
             equal,
             bounds,
-            solid: solid(elements, &masks, size),
             masks: masks.into_iter().map(Arc::new).collect(),
             clearance: clearance(&free, &gaps),
             free,
@@ -122,21 +125,24 @@ pub(super) fn with_holes(shapes: &[Shape]) -> Mask {
     Mask::from_spans(filled.flat_map(|outline| pixels::mask(&outline).spans().to_vec()).collect())
 }
 
-/// The pixels of each element with holes in which no other lies, and of these, on a page that repeats.
-fn solid(elements: &[ExemplarElement], masks: &[Mask], [w, h]: [i32; 2]) -> Vec<Option<Arc<Mask>>> {
-    let on_page = |(x, y): (i32, i32)| (y.rem_euclid(h) * w + x.rem_euclid(w)) as usize;
+/// The pixels of each element with holes in which no other lies, and of these. The page repeats; `on_page` has what of
+/// each mask is on it or on those around.
+fn solid(
+    elements: &[ExemplarElement],
+    masks: &[Mask],
+    on_page: &[Mask],
+    [w, h]: [i32; 2],
+) -> Vec<Option<Arc<Mask>>> {
+    let place = |(x, y): (i32, i32)| (y.rem_euclid(h) * w + x.rem_euclid(w)) as usize;
     let mut taken = vec![false; (w * h) as usize];
-    masks.iter().flat_map(Mask::pixels).for_each(|pixel| taken[on_page(pixel)] = true);
-    let numbered: Vec<usize> = (0..masks.len()).filter(|&k| !elements[k].clipped).collect();
-    let found = vtex_base::parallel::map(&numbered, |&k| {
-        let filled = with_holes(&elements[k].shapes);
+    on_page.iter().flat_map(Mask::pixels).for_each(|pixel| taken[place(pixel)] = true);
+    let numbered: Vec<usize> = (0..masks.len()).collect();
+    vtex_base::parallel::map(&numbered, |&k| {
+        let filled = if elements[k].clipped { Mask::default() } else { with_holes(&elements[k].shapes) };
         let holes = filled.without(&masks[k]);
-        let is_solid = !holes.is_empty() && !holes.pixels().any(|pixel| taken[on_page(pixel)]);
+        let is_solid = !holes.is_empty() && !holes.pixels().any(|pixel| taken[place(pixel)]);
         is_solid.then(|| Arc::new(filled))
-    });
-    let mut solid = vec![None; masks.len()];
-    numbered.into_iter().zip(found).for_each(|(k, found)| solid[k] = found);
-    solid
+    })
 }
 
 /// Three quarters of the lower fifth percentile of the gaps around free elements, in pixels.

@@ -11,6 +11,7 @@ mod table;
 
 use crate::error::caught;
 use crate::parallel::for_chunks;
+use crate::symmetric::inverse;
 use curve::{Curve, between};
 use image::{DynamicImage, RgbImage};
 use moxcms::{ColorProfile, DataColorSpace, LutWarehouse, ProfileVersion, ToneReprCurve};
@@ -271,17 +272,6 @@ fn times(matrix: &[[f64; 3]; 3], v: [f64; 3]) -> [f64; 3] {
 
 fn product(a: &[[f64; 3]; 3], b: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
     a.map(|row| std::array::from_fn(|k| (0..3).map(|i| row[i] * b[i][k]).sum()))
-}
-
-/// The inverse of a matrix; `None` if it has none.
-fn inverse(m: &[[f64; 3]; 3]) -> Option<[[f64; 3]; 3]> {
-    let minor = |r: usize, c: usize| {
-        let [r1, r2, c1, c2] = [(r + 1) % 3, (r + 2) % 3, (c + 1) % 3, (c + 2) % 3];
-        m[r1][c1] * m[r2][c2] - m[r1][c2] * m[r2][c1]
-    };
-    let determinant: f64 = (0..3).map(|k| m[0][k] * minor(0, k)).sum();
-    let found: [[f64; 3]; 3] = std::array::from_fn(|r| std::array::from_fn(|c| minor(c, r) / determinant));
-    found.iter().flatten().all(|v| v.is_finite()).then_some(found)
 }
 
 /// From linear RGB with primaries, x and y of white, red, green and blue, to X, Y and Z under D50, adapted as Bradford

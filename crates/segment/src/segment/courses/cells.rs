@@ -3,7 +3,7 @@
 use super::joint::Joint;
 use std::ops::Range;
 use vtex_base::raster::blur::Plane;
-use vtex_base::raster::{Connectivity, LabelMap, Mask, components_of_mask};
+use vtex_base::raster::{Connectivity, LabelMap, Mask, components_of_mask, edge_neighbours};
 
 /// The part of a row, between its joints, that is searched for joints across it.
 const INNER: Range<f64> = 0.12..0.88;
@@ -146,10 +146,10 @@ fn blurred(joint: &Joint) -> Plane {
 /// What each pixel of a cell's surroundings is.
 #[derive(Clone, Copy, PartialEq)]
 enum Part {
-    /// Of another cell.
+    /// Of another cell, or of a joint.
     Beyond,
     Brick,
-    /// Of the colours of joints, and near enough to its border.
+    /// Of the colours of joints, and near enough to its border to be of one.
     Mortar,
 }
 
@@ -185,6 +185,7 @@ fn filled(joint: &Joint, blurred: &Plane, cell: &Cell) -> Option<Mask> {
         is_near.then_some(across.min(inner - across).min(left).min(right))
     };
     let mut parts = vec![Part::Beyond; wide * high];
+    // Mortar reaches in from the joints around.
     let mut open: Vec<usize> = Vec::new();
     let mut nominal = 0;
     for (k, part) in parts.iter_mut().enumerate() {
@@ -192,26 +193,22 @@ fn filled(joint: &Joint, blurred: &Plane, cell: &Cell) -> Option<Mask> {
         let Some(depth) = depth(x, y) else { continue };
         nominal += usize::from(depth >= 0.0);
         let is_mortar = blurred.at(x, y) > 0.5 && depth < DEPTH * joint.width;
-        *part = if is_mortar { Part::Mortar } else { Part::Brick };
-        if is_mortar && depth < 0.0 {
-            open.push(k);
+        match (is_mortar, depth < 0.0) {
+            (true, true) => open.push(k),
+            (true, false) => *part = Part::Mortar,
+            (false, _) => *part = Part::Brick,
         }
     }
-    // Mortar reaches in from the joints around.
-    let mut is_brick: Vec<u32> = parts.iter().map(|part| u32::from(*part != Part::Beyond)).collect();
-    open.iter().for_each(|&k| is_brick[k] = 0);
     while let Some(k) = open.pop() {
-        let (x, y) = (k % wide, k / wide);
-        let beside = [(x > 0, k.wrapping_sub(1)), (x + 1 < wide, k + 1)];
-        let above = [(y > 0, k.wrapping_sub(wide)), (y + 1 < high, k + wide)];
-        for (_, n) in beside.into_iter().chain(above).filter(|(inside, _)| *inside) {
-            if parts[n] == Part::Mortar && is_brick[n] == 1 {
-                is_brick[n] = 0;
+        for n in edge_neighbours(k, [wide, high]) {
+            if parts[n] == Part::Mortar {
+                parts[n] = Part::Beyond;
                 open.push(n);
             }
         }
     }
-    let labels = LabelMap { width: wide as u32, height: high as u32, labels: is_brick };
+    let labels = parts.iter().map(|part| u32::from(*part != Part::Beyond)).collect();
+    let labels = LabelMap { width: wide as u32, height: high as u32, labels };
     let pieces = components_of_mask(&Mask::from_labels(&labels, |label| label == 1), Connectivity::Four);
     let brick = pieces.into_iter().max_by_key(Mask::area)?;
     let brick = brick.shifted(columns.start as i32, rows.start as i32);

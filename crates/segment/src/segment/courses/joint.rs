@@ -1,6 +1,8 @@
 //! The joint between rows: its place in the period, and its colours.
 
+use vtex_base::geometry::plane::length;
 use vtex_base::raster::blur::Plane;
+use vtex_base::symmetric::inverse;
 use vtex_scene::lattice::Lattice;
 
 /// Numbers of equal parts of a period.
@@ -96,10 +98,6 @@ impl Joint {
     }
 }
 
-fn length(v: [f64; 2]) -> f64 {
-    libm::hypot(v[0], v[1])
-}
-
 fn at(planes: &[Plane; 3], k: usize) -> [f64; 3] {
     [0, 1, 2].map(|c| f64::from(planes[c].values[k]))
 }
@@ -176,16 +174,8 @@ impl Colours {
             let sum: f64 = samples.iter().map(|s| (s[a] - mean[a]) * (s[b] - mean[b])).sum();
             sum / count + if a == b { NOISE } else { 0.0 }
         };
-        let m = [0, 1, 2].map(|a| [0, 1, 2].map(|b| entry(a, b)));
-        // The adjugate over the determinant.
-        let minor = |a: usize, b: usize| {
-            let [p, q] = [(a + 1) % 3, (a + 2) % 3];
-            let [r, s] = [(b + 1) % 3, (b + 2) % 3];
-            m[p][r] * m[q][s] - m[p][s] * m[q][r]
-        };
-        let determinant: f64 = (0..3).map(|b| m[0][b] * minor(0, b)).sum();
-        let inverse = [0, 1, 2].map(|a| [0, 1, 2].map(|b| minor(b, a) / determinant));
-        (!samples.is_empty() && determinant > 0.0).then_some(Self { mean, inverse })
+        let covariance = [0, 1, 2].map(|a| [0, 1, 2].map(|b| entry(a, b)));
+        Some(Self { mean, inverse: inverse(&covariance)? })
     }
 
     /// Squared Mahalanobis distance of a colour.

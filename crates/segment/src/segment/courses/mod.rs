@@ -14,14 +14,14 @@ use super::ScoredMask;
 use cells::cells;
 use image::RgbImage;
 use joint::Joint;
+use vtex_base::raster::Mask;
 use vtex_base::raster::blur::oklab_planes;
-use vtex_base::raster::{LabelMap, Mask};
 use vtex_scene::lattice;
 
 /// Fewest cells of a picture that are believed, and least share of the rows' parts between joints that are cells.
 const FEWEST: usize = 8;
 const LEAST_SHARE: f64 = 0.6;
-/// Least share of a mask within a cell for which the cell replaces it.
+/// Least share of a mask within cells for which these replace it.
 const WITHIN: f64 = 0.5;
 /// Least share of a mask in joints for which it is left out.
 const IN_JOINTS: f64 = 0.6;
@@ -35,38 +35,22 @@ pub(super) fn whole_cells(masks: Vec<ScoredMask>, image: &RgbImage) -> Vec<Score
     if found.masks.len() < FEWEST || (found.masks.len() as f64) < LEAST_SHARE * found.sought as f64 {
         return masks;
     }
-    let mut labels = LabelMap::filled(image.width(), image.height(), 0);
-    for (label, mask) in (1..).zip(&found.masks) {
-        labels.fill(mask, label);
-    }
-    let kept = masks.into_iter().filter_map(|own| {
-        let ScoredMask { mask, score } = own;
-        let mask = outside(mask, &labels, &joint)?;
-        Some(ScoredMask { mask, score })
+    let spans = found.masks.iter().flat_map(Mask::spans).copied().collect();
+    let covered = Mask::from_spans(spans);
+    let kept = masks.into_iter().filter_map(|ScoredMask { mask, score }| {
+        Some(ScoredMask { mask: outside(&mask, &covered, &joint)?, score })
     });
-    let cells = found.masks.iter().map(|mask| ScoredMask { mask: mask.clone(), score: 1.0 });
-    cells.collect::<Vec<_>>().into_iter().chain(kept).collect()
+    let cells = found.masks.into_iter().map(|mask| ScoredMask { mask, score: 1.0 });
+    cells.chain(kept).collect()
 }
 
-/// What a mask has outside cells; `None` if most of it is within one or in joints.
-fn outside(mask: Mask, labels: &LabelMap, joint: &Joint) -> Option<Mask> {
+/// What a mask has outside of what cells cover; `None` if most of it is within that or in joints.
+fn outside(mask: &Mask, covered: &Mask, joint: &Joint) -> Option<Mask> {
     let area = f64::from(mask.area());
-    let (mut within, mut in_joints) = (0.0, 0.0);
-    for (x, y) in mask.pixels() {
-        match labels.get(x as u32, y as u32) {
-            0 if joint.has_colours(x as usize, y as usize) => in_joints += 1.0,
-            0 => {}
-            _ => within += 1.0,
-        }
-    }
-    if within >= WITHIN * area || in_joints >= IN_JOINTS * area {
-        return None;
-    }
-    if within == 0.0 {
-        return Some(mask);
-    }
-    let cells = Mask::from_labels(labels, |label| label > 0);
-    Some(mask.without(&cells))
+    let outside = mask.without(covered);
+    let in_joints = outside.pixels().filter(|&(x, y)| joint.has_colours(x as usize, y as usize)).count();
+    let within = area - f64::from(outside.area());
+    (within < WITHIN * area && (in_joints as f64) < IN_JOINTS * area).then_some(outside)
 }
 
 #[cfg(test)]
