@@ -317,6 +317,52 @@ fn elements_do_not_move_into_empty_rings_nor_across_bands() {
     }
 }
 
+/// Rows of scales, each over the next one below, drawn as far as they reach the page.
+fn scales() -> Vec<u8> {
+    let scale = |row: i32, column: i32| {
+        let (x, y) = (25.0 * f64::from(column) + if row % 2 == 0 { 0.0 } else { 12.5 }, 20 * row);
+        format!(r##"<circle cx="{x}" cy="{y}" r="14" fill="#9cd" stroke="#024" stroke-width="2"/>"##)
+    };
+    let row = |row: i32| (-1..=4).map(|column| scale(row, column)).collect::<String>();
+    svg(&(0..=4).rev().map(row).collect::<String>())
+}
+
+#[test]
+fn scales_lie_over_one_another_as_on_the_page_in_every_period() {
+    let bytes = scales();
+    let library = read(&bytes).unwrap();
+    assert!(library.arrangement.periodic && library.source.stacking != [0; 2]);
+    let page = render_svg(&bytes, 2.0, "drawing.svg", &()).unwrap();
+    for tile in [Tile::default(), Tile { x: true, y: true }] {
+        let params =
+            SynthParams { width: 200, height: 160, tile, method: Method::Period, ..SynthParams::default() };
+        let scene = texture(&library, params);
+        let mut written = Vec::new();
+        svg::write(&scene, &SvgOptions::default(), &mut written).unwrap();
+        let by_svg = render_svg(&written, 2.0, "texture.svg", &()).unwrap();
+        for picture in [by_svg, png::render(&scene, 2.0).unwrap()] {
+            let differs = |(k, p): (usize, &tiny_skia::PremultipliedColorU8)| {
+                let (x, y) = (k % 400 % 200, k / 400 % 160);
+                p.red().abs_diff(page.pixels()[200 * y + x].red()) > 80
+            };
+            let count = picture.pixels().iter().enumerate().filter(|&pixel| differs(pixel)).count();
+            assert!(count < 40, "{tile:?}: {count}");
+        }
+    }
+}
+
+#[test]
+fn what_touches_a_border_does_not_need_a_copy_beyond_it() {
+    let discs = |left: f64| {
+        let whole = (0..40).map(|k| [12 + k * 37 % 76, 8 + k * 23 % 64]);
+        let whole = whole.map(|[x, y]| format!(r#"<circle cx="{x}" cy="{y}" r="1.5"/>"#)).collect::<String>();
+        let beside = (0..8).map(|k| format!(r#"<circle cx="{left}" cy="{}" r="3"/>"#, 5 + 9 * k));
+        of(&(whole + &beside.collect::<String>())).arrangement.periodic
+    };
+    assert!(discs(3.0) && discs(2.9), "they stand beside the border");
+    assert!(!discs(0.0), "the border cuts them");
+}
+
 #[test]
 fn a_tile_is_a_whole_number_of_periods() {
     let library = read(GARDEN).unwrap();

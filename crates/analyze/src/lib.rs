@@ -336,6 +336,7 @@ fn source(exemplar: &Exemplar, segmenter: &dyn Segmenter, params: &AnalyzeParams
         height,
         scale: [1.0; 2],
         copies: exemplar.copies,
+        stacking: [0; 2],
         contrast: 1.0,
         light: None,
         sha256: exemplar.sha256.clone(),

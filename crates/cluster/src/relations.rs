@@ -17,6 +17,8 @@ const PARTNERS_WITHIN: f64 = 2.5;
 /// Largest clearance, in lengths of which the exemplar has 400, and the share of that of the exemplar that is kept.
 const LARGEST_CLEARANCE: f64 = 32.0;
 const KEPT_CLEARANCE: f64 = 0.75;
+/// Most pairs of points of borders that are compared. Of drawings with more, only the nearest neighbours are measured.
+const MOST_COMPARED: usize = 4_000_000_000;
 /// Pairs of elements measured at a time.
 const PAIRS_AT_ONCE: usize = 4096;
 /// Places that differ by less are the same.
@@ -30,6 +32,9 @@ const WIDE: f64 = 0.001;
 const TWINS: f64 = 3.0;
 /// Grid on which distances from elements are measured.
 const GRID: f64 = 8.0;
+
+/// Two places that may come near each other, and the way from the first to the second.
+type NearPair = (u32, u32, [f64; 2]);
 
 /// A neighbour of an element.
 #[derive(Clone, Copy, Debug)]
@@ -107,7 +112,7 @@ impl<'a> PlaceRelations<'a> {
         });
         let largest = reach.iter().copied().fold(0.0, f64::max);
         // Pairs that may come near each other, each once.
-        let pairs: Vec<(u32, u32, [f64; 2])> = parallel::map(&all, |&k| {
+        let mut pairs: Vec<Vec<NearPair>> = parallel::map(&all, |&k| {
             let mut near = Vec::new();
             let own = reach[places[k].figure as usize];
             index.within(at[k], own + largest + LARGEST_CLEARANCE, |other, way| {
@@ -118,12 +123,11 @@ impl<'a> PlaceRelations<'a> {
             });
             near.sort_by_key(|n| n.1);
             near
-        })
-        .concat();
-        let of_pair = |&(a, b, way): &(u32, u32, [f64; 2])| {
-            let of = |k: u32| &borders[places[k as usize].figure as usize];
-            gap(of(a), of(b), way)
-        };
+        });
+        let border_of = |k: u32| &borders[places[k as usize].figure as usize];
+        keep_nearest(&mut pairs, |a, b| border_of(a).len() * border_of(b).len());
+        let pairs = pairs.concat();
+        let of_pair = |&(a, b, way): &NearPair| gap(border_of(a), border_of(b), way);
         let mut gaps = Vec::with_capacity(pairs.len());
         for pairs in pairs.chunks(PAIRS_AT_ONCE) {
             go_on()?;
@@ -217,7 +221,7 @@ impl<'a> PlaceRelations<'a> {
     }
 
     /// Overlaps and close pairs of the exemplar.
-    fn count(&mut self, pairs: &[(u32, u32, [f64; 2])], go_on: &dyn Fn() -> Result<()>) -> Result<()> {
+    fn count(&mut self, pairs: &[NearPair], go_on: &dyn Fn() -> Result<()>) -> Result<()> {
         let mut found = Vec::with_capacity(pairs.len());
         for pairs in pairs.chunks(PAIRS_AT_ONCE) {
             go_on()?;
@@ -489,6 +493,24 @@ fn border(figure: &Figure) -> Vec<[f64; 2]> {
         points.push([middle.x, middle.y]);
     }
     points
+}
+
+/// Keeps the nearest pairs of each place, so that all together take at most [`MOST_COMPARED`] comparisons.
+fn keep_nearest(pairs: &mut [Vec<NearPair>], work: impl Fn(u32, u32) -> usize) {
+    let all: usize = pairs.iter().flatten().map(|&(a, b, _)| work(a, b)).sum();
+    if all <= MOST_COMPARED {
+        return;
+    }
+    let most = MOST_COMPARED / pairs.len().max(1);
+    for near in pairs {
+        near.sort_by(|a, b| length(a.2).total_cmp(&length(b.2)).then(a.1.cmp(&b.1)));
+        let mut done = 0;
+        near.retain(|&(a, b, _)| {
+            done += work(a, b);
+            done <= most
+        });
+        near.sort_by_key(|n| n.1);
+    }
 }
 
 /// Least distance between points of two borders, up to [`LARGEST_CLEARANCE`].

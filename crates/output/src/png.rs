@@ -21,7 +21,7 @@ use vtex_base::parallel;
 use vtex_base::progress::{Progress, advance};
 use vtex_base::raster::colour::Colour;
 use vtex_scene::element::{Ellipse, GradientKind, SoftRim, Stop};
-use vtex_scene::scene::{Gradient, Instance, Length, LengthUnit, Scene, Shape};
+use vtex_scene::scene::{Gradient, Instance, Layer, Length, LengthUnit, Scene, Shape};
 
 /// Height of the bands drawn at a time, in pixels.
 const BAND: usize = 256;
@@ -198,13 +198,14 @@ struct DrawnLayer<'a> {
     region: Option<ClipRegion>,
     /// Whether the domain clips it.
     clipped: bool,
-    /// Instances in painting order, copies right after their originals.
+    /// Instances and copies in painting order.
     instances: Vec<DrawnInstance<'a>>,
 }
 
 /// An instance or a copy of it.
 struct DrawnInstance<'a> {
     instance: &'a Instance,
+    height: i64,
     /// The map to the picture.
     affine: Affine,
     /// The map of its shadow to the picture.
@@ -227,21 +228,30 @@ impl<'a> PreparedScene<'a> {
             let affine = instance.affine();
             let bounds = instance.reach(drawings[instance.element.index()].bounds);
             scene.copies(bounds).map(move |shift| {
+                let height = scene.height(instance, shift);
                 let reach = to_picture.transform_rect_bbox(bounds + shift);
                 let shadow_shift = shift + instance.shadow.map_or(Vec2::ZERO, |s| s.shift());
                 DrawnInstance {
                     instance,
+                    height,
                     affine: to_picture * affine.then_translate(shift),
                     shadow: to_picture * affine.then_translate(shadow_shift),
                     rows: [reach.y0, reach.y1],
                 }
             })
         };
+        let in_order = |layer: &'a Layer| {
+            let mut instances: Vec<DrawnInstance<'_>> = layer.instances.iter().flat_map(&copies_of).collect();
+            if scene.is_stacked() {
+                instances.sort_by_key(|drawn| drawn.height);
+            }
+            instances
+        };
         let layers = scene.layers.iter().map(|layer| DrawnLayer {
             background: layer.field.as_ref().map(|field| PreparedBackground::new(scene, field)),
             region: layer.region.as_ref().map(|outline| ClipRegion::new(scene, outline, scale)),
             clipped: scene.is_clipped(layer),
-            instances: layer.instances.iter().flat_map(&copies_of).collect(),
+            instances: in_order(layer),
         });
         let layers = layers.collect();
         let painted = |l: &shadow::ShadowOutline| {

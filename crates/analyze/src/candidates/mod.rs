@@ -13,7 +13,7 @@
 
 use image::RgbImage;
 use vtex_base::raster::colour::{of_pixels, oklab};
-use vtex_base::raster::{Connectivity, LabelMap, Mask, Span, components_of_mask};
+use vtex_base::raster::{Connectivity, LabelMap, Mask, complement, components_of_mask, holes};
 use vtex_segment::segment::ScoredMask;
 
 /// Quantile of the colour steps along a rim that serves as the rim's strength.
@@ -67,33 +67,9 @@ pub(super) fn spans_image(mask: &Mask, w: i32, h: i32) -> bool {
 
 /// The mask with small holes filled: those below `minimum` pixels or a fiftieth of its area.
 fn fill_small_holes(mask: &Mask, minimum: u32) -> Mask {
-    let Some((x0, y0, x1, y1)) = mask.bounds() else { return Mask::default() };
-    let mut spans = mask.spans().to_vec();
-    for hole in components_of_mask(&complement(mask, (x0, y0, x1, y1)), Connectivity::Four) {
-        let Some((hx0, hy0, hx1, hy1)) = hole.bounds() else { continue };
-        let open = hx0 == x0 || hy0 == y0 || hx1 == x1 || hy1 == y1;
-        if !open && hole.area() < minimum.max(mask.area() / 50) {
-            spans.extend(hole.spans());
-        }
-    }
-    Mask::from_spans(spans)
-}
-
-/// The pixels of a box that a mask does not contain.
-fn complement(mask: &Mask, (x0, y0, x1, y1): (i32, i32, i32, i32)) -> Mask {
-    let mut gaps = Vec::new();
-    let mut rest = mask.spans();
-    for y in y0..y1 {
-        let n = rest.iter().take_while(|s| s.y == y).count();
-        let mut from = x0;
-        for s in &rest[..n] {
-            gaps.push(Span { y, x0: from, x1: s.x0 });
-            from = s.x1;
-        }
-        gaps.push(Span { y, x0: from, x1 });
-        rest = &rest[n..];
-    }
-    Mask::from_spans(gaps)
+    let small = holes(mask).into_iter().filter(|hole| hole.area() < minimum.max(mask.area() / 50));
+    let spans = small.flat_map(|hole| hole.spans().to_vec()).chain(mask.spans().to_vec());
+    Mask::from_spans(spans.collect())
 }
 
 /// An image in Oklab.

@@ -1,6 +1,7 @@
 //! Selection among overlapping masks, on scenes whose true instances are known.
 
 use super::*;
+use vtex_base::raster::Span;
 use vtex_base::sampling::stream;
 use vtex_testing::{SceneParams, generate};
 

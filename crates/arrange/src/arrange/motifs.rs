@@ -1,12 +1,13 @@
 //! Drawings whose motifs are placed as single elements, and taken apart afterwards.
 
+use std::cmp::Ordering;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use vtex_base::geometry::{Affine, Outline, Point, SecondMoments, Vec2, rigid_map, ring_path, rotation};
 use vtex_base::raster::LabelMap;
 use vtex_scene::element::{Shape, SimilarTo, bounds};
 use vtex_scene::library::{
-    Arrangement, ElementId, ExemplarElement, ExemplarInstance, ExemplarLayer, Library, Motif,
+    Arrangement, ElementId, ExemplarElement, ExemplarInstance, ExemplarLayer, Library, Motif, Source,
 };
 use vtex_scene::scene::pixels;
 
@@ -35,11 +36,46 @@ pub(crate) struct DrawnElement {
     pub(crate) element: usize,
     /// From the shapes of the element to their place.
     pub(crate) map: Affine,
-    /// Index of its layer in the drawing, and its place in the painting order there; that of the first where the parts of
-    /// its unit are painted one after another.
-    pub(crate) order: (usize, usize),
+    pub(crate) order: PaintingOrder,
     /// Number of the motif on the canvas of which it is a part.
     pub(crate) motif: Option<u32>,
+}
+
+/// What is painted when.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct PaintingOrder {
+    /// Index of the layer in the drawing.
+    pub(crate) layer: usize,
+    /// Index of the instance in the layer; that of the first where the parts of a unit are painted one after another.
+    pub(crate) instance: usize,
+    /// By how many instances its copy of the page is painted later, where copies overlap.
+    pub(crate) later: i32,
+}
+
+impl PaintingOrder {
+    /// That of the copy so many periods further along.
+    pub(crate) fn of_copy(self, source: &Source, periods: [i32; 2]) -> Self {
+        let [x, y] = [0, 1].map(|k| source.stacking[k].saturating_mul(periods[k]));
+        Self { later: self.later.saturating_add(x).saturating_add(y), ..self }
+    }
+
+    /// The height in the layer.
+    pub(crate) fn height(self) -> i32 {
+        (self.instance as i32).saturating_add(self.later)
+    }
+}
+
+impl Ord for PaintingOrder {
+    fn cmp(&self, other: &Self) -> Ordering {
+        let key = |order: &Self| (order.layer, order.height(), order.instance);
+        key(self).cmp(&key(other))
+    }
+}
+
+impl PartialOrd for PaintingOrder {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
 }
 
 /// A unit that is a motif.
@@ -74,7 +110,8 @@ impl MotifUnits {
                 let element = part.element.index();
                 is_part[element] = true;
                 let place = placed[element][0];
-                parts.push(DrawnElement { map: period(library, part.periods) * place.map, ..place });
+                let order = place.order.of_copy(&library.source, part.periods);
+                parts.push(DrawnElement { map: period(library, part.periods) * place.map, order, ..place });
             }
             units.push((Some(motif), parts));
         }
@@ -96,7 +133,8 @@ impl MotifUnits {
             let mut sorted: Vec<usize> = (0..parts.len()).collect();
             sorted.sort_by_key(|&k| parts[k].order);
             let mut painted: Vec<DrawnElement> = sorted.iter().map(|&k| parts[k]).collect();
-            let is_run = |w: &[DrawnElement]| w[1].order == (w[0].order.0, w[0].order.1 + 1);
+            let after = |order: PaintingOrder| PaintingOrder { instance: order.instance + 1, ..order };
+            let is_run = |w: &[DrawnElement]| w[1].order == after(w[0].order);
             if painted.windows(2).all(is_run) {
                 let first = painted[0].order;
                 painted.iter_mut().for_each(|part| part.order = first);
@@ -129,7 +167,7 @@ impl MotifUnits {
                 }
             }));
             own.library.elements.push(unit);
-            let layer = top(parts).0;
+            let layer = top(parts).layer;
             own.library.layers[layer].instances.push(ExemplarInstance::of(ElementId::after(number)));
             own.parts.push(painted);
         }
@@ -277,7 +315,7 @@ fn placed(library: &Library) -> Vec<Vec<DrawnElement>> {
             placed[element].push(DrawnElement {
                 element,
                 map: Affine::new(instance.transform),
-                order: (l, n),
+                order: PaintingOrder { layer: l, instance: n, later: 0 },
                 motif: None,
             });
         }

@@ -53,7 +53,7 @@ pub(super) fn cell_texture(
         if let Some(category) = element.category {
             areas[category.index()] += cell.shown_area;
         }
-        placements.push(Placement { what, transform, layer, motif: None });
+        placements.push(Placement { what, transform, layer, motif: None, height: 0 });
     }
     let canvas = asked.size[0] * asked.size[1];
     let covered = areas.into_iter().map(|made| (made / canvas).min(1.0)).collect();

@@ -265,12 +265,13 @@ impl ClusteredDrawing {
                 transform: rounded(by * map * Affine::translate((x, y))),
                 layer,
                 motif,
+                height: 0,
             }
         };
         let Some(units) = units else { return vec![placement(first, map, layer)] };
         let part = |part: &DrawnElement| {
             let (first, from) = moved_first(known, part.element);
-            placement(first, part.map * from, part.order.0)
+            placement(first, part.map * from, part.order.layer)
         };
         units.parts[own].iter().map(part).collect()
     }

@@ -26,6 +26,8 @@ pub(crate) struct Placement<'a> {
     pub(crate) layer: usize,
     /// Number of the motif of which it is a part.
     pub(crate) motif: Option<u32>,
+    /// Its height, where copies are stacked.
+    pub(crate) height: i32,
 }
 
 /// The content of a placement.
@@ -127,15 +129,15 @@ fn compose(
     let mut listings: Vec<Listing<'_>> = libraries.iter().enumerate().map(listing).collect();
     let mut ids = (first.0..=u32::MAX).chain(0..first.0).map(InstanceId);
     let mut fresh = |element| Instance::new(ids.next().unwrap_or(first), element);
-    for Placement { what, transform, layer, motif } in placements {
+    for Placement { what, transform, layer, motif, height } in placements {
         let instance = match what {
             What::Known(library, source, colour) => {
                 let element = listings[library.index()].element(&mut scene, source);
-                Instance { transform, motif, colour, ..fresh(element) }
+                Instance { transform, motif, colour, height, ..fresh(element) }
             }
             What::Made(element) => {
                 let element = scene.add(*element);
-                Instance { transform, motif, ..fresh(element) }
+                Instance { transform, motif, height, ..fresh(element) }
             }
             What::Kept(instance) => Instance { transform, ..instance.clone() },
         };
@@ -163,7 +165,7 @@ pub(crate) fn primary(
         Content::Mapped(map) => (known, at(&model.maps[map as usize], placed.at)),
         Content::Known => (known, at(&model.variations[usize::from(placed.variation)], placed.at)),
     };
-    Placement { what, transform, layer, motif: None }
+    Placement { what, transform, layer, motif: None, height: 0 }
 }
 
 /// A placed secondary in a layer.
@@ -177,7 +179,7 @@ pub(crate) fn secondary(
     let source = plan.libraries[placed.library].secondary_id(secondary);
     let variation = &arrangement.cells.model().variations[usize::from(variation)];
     let what = What::Known(LibraryId(placed.library as u32), source, Some(placed.colour));
-    Placement { what, transform: self::at(variation, at), layer, motif: None }
+    Placement { what, transform: self::at(variation, at), layer, motif: None, height: 0 }
 }
 
 /// The transform of a variation at a place of the canvas.

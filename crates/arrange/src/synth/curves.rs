@@ -205,6 +205,7 @@ fn line_texture(plan: &Plan<'_>, progress: &dyn Progress) -> Result<Arranged<'st
         transform: Affine::translate(at.to_vec2()).as_coeffs(),
         layer,
         motif: None,
+        height: 0,
     };
     let lines = found.curves.iter().filter_map(|curve| drawing.element(curve)).map(line);
     let between = |below: bool| {

@@ -265,7 +265,7 @@ impl ElementBetween {
             BetweenContent::Part(element) => What::Made(element.clone()),
         };
         let by = Affine::translate((at[0] - self.at[0], at[1] - self.at[1]));
-        Placement { what, transform: rounded(by * self.transform), layer: self.layer, motif: None }
+        Placement { what, transform: rounded(by * self.transform), layer: self.layer, motif: None, height: 0 }
     }
 
     /// Whether it is drawn before all lines of some styles.

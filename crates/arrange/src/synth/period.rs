@@ -30,7 +30,15 @@ impl PlacementMethod for Periodic {
         let placements = placements(library, &plan.params, &repeated).collect();
         let period = repeated.repeating;
         let report = SynthReport { period, ..SynthReport::of_drawing(library, 1.0, Some(repeated.covered)) };
-        Ok(Arranged::of_drawing(plan, repeated.variation, placements, report))
+        let mut arranged = Arranged::of_drawing(plan, repeated.variation, placements, report);
+        if plan.params.tile.any() {
+            let period = [library.source.width, library.source.height].map(f64::from);
+            let periods = |k: usize, size: u32| libm::round(f64::from(size) / period[k]) as i32;
+            let periods = [periods(0, plan.params.width), periods(1, plan.params.height)];
+            let stacking = library.source.stacking;
+            arranged.blank.stacking = [0, 1].map(|k| stacking[k].saturating_mul(periods[k]));
+        }
+        Ok(arranged)
     }
 }
 
@@ -59,14 +67,16 @@ fn placements<'a>(
     };
     let mut ordered: Vec<&DrawnElement> = repeated.placed.iter().filter(reaches).collect();
     ordered.sort_by_key(|p| (p.order, p.motif));
-    ordered.into_iter().map(|p| {
+    let is_stacked = params.tile.any() && library.source.stacking != [0; 2];
+    ordered.into_iter().map(move |p| {
         let SimilarTo { first, map } = repeated.equal[p.element];
         let [x, y] = library.elements[first].origin().map(f64::from);
         Placement {
             what: What::Known(LibraryId(0), ElementId::after(first), None),
             transform: rounded(p.map * map * Affine::translate((x, y))),
-            layer: p.order.0,
+            layer: p.order.layer,
             motif: p.motif,
+            height: if is_stacked { p.order.height() } else { 0 },
         }
     })
 }

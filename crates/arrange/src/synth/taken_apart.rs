@@ -26,6 +26,7 @@ pub(super) fn taken_apart(units: &MotifUnits, library: &Library, whole: Arranged
             transform: rounded(map * part.map * origin(library, part.element)),
             layer: placement.layer,
             motif,
+            height: 0,
         }));
     }
     // What was tried and corrected was whole motifs.

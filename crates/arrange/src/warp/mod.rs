@@ -149,5 +149,5 @@ fn carry(
 fn moved(instance: &Instance, place: [f64; 2], layer: usize) -> Placement<'_> {
     let [a, b, c, d, ..] = instance.transform;
     let transform = [a, b, c, d, libm::round(place[0]), libm::round(place[1])];
-    Placement { what: What::Kept(instance), transform, layer, motif: None }
+    Placement { what: What::Kept(instance), transform, layer, motif: None, height: 0 }
 }

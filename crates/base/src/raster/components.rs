@@ -1,6 +1,6 @@
 //! Connected components of label maps and masks.
 
-use super::{LabelMap, Mask};
+use super::{LabelMap, Mask, Span};
 use crate::disjoint_sets::DisjointSets;
 
 /// Which pixels count as neighbours.
@@ -96,10 +96,48 @@ pub fn components_of_mask(mask: &Mask, connectivity: Connectivity) -> Vec<Mask> 
     pieces.into_iter().map(Mask::from_spans).collect()
 }
 
+/// The holes of a mask: connected areas that it encloses.
+pub fn holes(mask: &Mask) -> Vec<Mask> {
+    let Some((x0, y0, x1, y1)) = mask.bounds() else { return Vec::new() };
+    let mut holes = components_of_mask(&complement(mask, (x0, y0, x1, y1)), Connectivity::Four);
+    holes.retain(|area| {
+        area.bounds()
+            .is_some_and(|(left, top, right, bottom)| left > x0 && top > y0 && right < x1 && bottom < y1)
+    });
+    holes
+}
+
+/// The pixels of a box that a mask does not contain.
+pub fn complement(mask: &Mask, (x0, y0, x1, y1): (i32, i32, i32, i32)) -> Mask {
+    let mut gaps = Vec::new();
+    let mut rest = mask.spans();
+    for y in y0..y1 {
+        let n = rest.iter().take_while(|s| s.y == y).count();
+        let mut from = x0;
+        for s in &rest[..n] {
+            gaps.push(Span { y, x0: from, x1: s.x0 });
+            from = s.x1;
+        }
+        gaps.push(Span { y, x0: from, x1 });
+        rest = &rest[n..];
+    }
+    Mask::from_spans(gaps)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use proptest::prelude::*;
+
+    #[test]
+    fn holes_are_what_is_enclosed() {
+        // A ring with a gap at its corner, which only leads out diagonally, a bay, and a single pixel.
+        let rows = ["#### ##.#", "#..# #..#", "#..# #..#", "### .####"];
+        let labels = rows.concat().bytes().map(|b| u32::from(b == b'#')).collect();
+        let mask = Mask::from_labels(&LabelMap { width: 9, height: 4, labels }, |label| label == 1);
+        let found: Vec<u32> = holes(&mask).iter().map(Mask::area).collect();
+        assert_eq!(found, [4]);
+    }
 
     proptest! {
         #[test]

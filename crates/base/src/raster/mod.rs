@@ -23,7 +23,7 @@ mod resize;
 mod tiff_tags;
 
 pub use centre_lines::{CentreLine, Ink, centre_lines};
-pub use components::{Connectivity, components, components_of_mask};
+pub use components::{Connectivity, complement, components, components_of_mask, holes};
 pub use control_map::ControlMap;
 pub use decode::Limits;
 pub use decode::{LARGEST_SIDE, check_size, decode, decode_colours, is_picture};

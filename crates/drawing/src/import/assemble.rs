@@ -8,10 +8,11 @@ use super::categories::categorise;
 use super::clip::page as page_of;
 use super::elements::{NEAREST, PieceProperties, elements};
 use super::motifs::{MotifSource, motifs};
-use super::offsets::{Offsets, Shift, minus};
+use super::offsets::{Offsets, Shift, minus, plus};
 use super::pieces::DrawingPiece;
 use super::read::DrawingPage;
 use super::shapes::shapes;
+use super::stacking::{DrawnCopy, Overlaps};
 use super::torus::Torus;
 use image::RgbImage;
 use kurbo::Shape as _;
@@ -55,6 +56,8 @@ pub(super) struct DrawingOrigin<'a> {
     pub(super) name: &'a str,
     pub(super) params: &'a ImportParams,
     pub(super) wrap: bool,
+    /// What was drawn, in painting order, as copies of the pieces; empty for a page that ends.
+    pub(super) copies: Vec<DrawnCopy>,
     pub(super) scale: [u32; 2],
     pub(super) picture: RgbImage,
     pub(super) background: Colour,
@@ -122,6 +125,8 @@ struct Draft {
     layer: usize,
     /// Place in the painting order.
     order: usize,
+    /// Its pieces, and the periods by which they are moved.
+    pieces: Vec<(usize, Shift)>,
     mask: Mask,
     /// The author's innermost group, if all of it is in one.
     group: Option<usize>,
@@ -142,7 +147,7 @@ pub(super) fn assemble(
     let go_on = || advance(progress, "drawing", 3, 4);
     let DrawingOrigin { wrap, scale: [width, height], .. } = origin;
     let size = [f64::from(width), f64::from(height)];
-    let drafts = drafts(page, pieces, &origin, size, &go_on)?;
+    let (stacking, drafts) = stacked(drafts(page, pieces, &origin, size, &go_on)?, &origin.copies);
     let mut labels = LabelMap::filled(width, height, 0);
     for (k, draft) in drafts.iter().enumerate() {
         go_on()?;
@@ -198,6 +203,7 @@ pub(super) fn assemble(
             height,
             scale: [1.0; 2],
             copies: [1; 2],
+            stacking,
             contrast: 1.0,
             light: None,
             sha256: Sha256::digest(origin.bytes).iter().map(|b| format!("{b:02x}")).collect(),
@@ -320,7 +326,8 @@ fn drafts(
             return drawn[k].clone();
         }
         let mut piece = pieces[k].clone();
-        for part in piece.parts.iter_mut().filter(|p| p.stroke.is_none()) {
+        // Where translucent copies overlapped, a line would be seen.
+        for part in piece.parts.iter_mut().filter(|p| p.stroke.is_none() && p.paint.opacity >= 1.0) {
             part.path = torus.widened(&part.path, UNDERLAP / pixels);
         }
         let wide = shapes(&piece, map);
@@ -343,6 +350,38 @@ fn drafts(
     }
     drafts.sort_by_key(|d| (d.layer, d.order));
     Ok(drafts)
+}
+
+/// How copies of the page overlap, and the elements, in the order in which their copies on the page are painted if copies
+/// are stacked.
+fn stacked(drafts: Vec<Draft>, copies: &[DrawnCopy]) -> ([i32; 2], Vec<Draft>) {
+    let mut elements: BTreeMap<usize, (usize, Shift)> = BTreeMap::new();
+    for (k, draft) in drafts.iter().enumerate() {
+        elements.extend(draft.pieces.iter().map(|&(piece, shift)| (piece, (k, shift))));
+    }
+    let of_element = |copy: &DrawnCopy| {
+        let (element, own) = elements.get(&copy.piece)?;
+        Some(DrawnCopy { piece: *element, shift: plus(copy.shift, minus(*own)), ..*copy })
+    };
+    let seen: Vec<DrawnCopy> = copies.iter().filter_map(of_element).collect();
+    // Where each is painted: on the page, or where it is drawn at all.
+    let mut painted: Vec<(bool, usize)> = vec![(false, 0); drafts.len()];
+    for (place, copy) in seen.iter().enumerate() {
+        painted[copy.piece] = painted[copy.piece].max((copy.shift == [0; 2], place));
+    }
+    let mut order: Vec<usize> = (0..drafts.len()).collect();
+    order.sort_by_key(|&k| (drafts[k].layer, painted[k].1, k));
+    let mut place = vec![0; drafts.len()];
+    order.iter().enumerate().for_each(|(n, &k)| place[k] = n);
+    let in_order: Vec<DrawnCopy> = seen.iter().map(|c| DrawnCopy { piece: place[c.piece], ..*c }).collect();
+    let layers: Vec<usize> = order.iter().map(|&k| drafts[k].layer).collect();
+    let stacking = Overlaps::new(&in_order, &layers).stacking();
+    if stacking == [0; 2] {
+        return (stacking, drafts);
+    }
+    let mut numbered: Vec<(usize, Draft)> = place.into_iter().zip(drafts).collect();
+    numbered.sort_by_key(|(place, _)| *place);
+    (stacking, numbered.into_iter().map(|(_, draft)| draft).collect())
 }
 
 /// Marks the endless pieces: those that touch their own copy a period away.
@@ -373,9 +412,10 @@ fn draft(
         })
         .collect();
     let mut all = mask(&shapes, size);
+    let mut home = [0; 2];
     if wrap && !endless {
         let middle = all.centroid().map_or_else(|| element::bounds(&shapes).center(), |(x, y)| (x, y).into());
-        let home = minus([libm::floor(middle.x / size[0]) as i32, libm::floor(middle.y / size[1]) as i32]);
+        home = minus([libm::floor(middle.x / size[0]) as i32, libm::floor(middle.y / size[1]) as i32]);
         if home != [0; 2] {
             let by = Affine::translate(vector(home));
             shapes = shapes.iter().map(|s| s.moved(by)).collect();
@@ -386,7 +426,8 @@ fn draft(
     let layer = members.first().map_or(0, |m| pieces[m.0].layer);
     let group = members.first().and_then(|m| pieces[m.0].group);
     let group = group.filter(|g| members.iter().all(|m| pieces[m.0].group == Some(*g)));
-    Draft { shapes, layer, order, mask: all, group, endless }
+    let own = members.iter().map(|&(piece, shift)| (piece, plus(shift, home))).collect();
+    Draft { shapes, layer, order, pieces: own, mask: all, group, endless }
 }
 
 /// The pixels that shapes paint on the page and up to a page away.

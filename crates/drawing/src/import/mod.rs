@@ -17,6 +17,7 @@ mod assemble;
 mod categories;
 mod clip;
 mod elements;
+mod joints;
 mod lines;
 mod motifs;
 mod offsets;
@@ -27,6 +28,7 @@ mod pieces;
 mod read;
 mod recurring;
 mod shapes;
+mod stacking;
 mod stubs;
 mod torus;
 
@@ -35,11 +37,13 @@ pub use vtex_scene::library::Grouping;
 pub use crate::line_art::shows_lines;
 use crate::{line_art, svg_tree};
 use assemble::{DrawingOrigin, assemble};
+use pieces::DrawingPiece;
 use read::DrawingPage;
 use torus::Torus;
 use vtex_base::error::Result;
 use vtex_base::geometry::Affine;
 use vtex_base::progress::{Progress, advance};
+use vtex_base::raster::colour::Colour;
 use vtex_scene::element::Shape;
 use vtex_scene::library::{AnalyzeParams, Library, MotifGrouping, PictureKind};
 
@@ -82,7 +86,7 @@ pub fn import(bytes: &[u8], name: &str, params: &ImportParams, progress: &dyn Pr
     };
     advance(progress, "drawing", 1, 4)?;
     let split = matches!(params.analyze.elements, Grouping::Auto | Grouping::Piece);
-    let mut pieces: Vec<pieces::DrawingPiece> = Vec::new();
+    let mut pieces: Vec<DrawingPiece> = Vec::new();
     for (k, item) in page.items.iter().enumerate() {
         advance(progress, "drawing", 1, 4)?;
         pieces.extend(pieces::pieces(k, item, split));
@@ -101,20 +105,22 @@ pub fn import(bytes: &[u8], name: &str, params: &ImportParams, progress: &dyn Pr
         .map_err(|found| read::fault(name, found.reason, found.advice))?;
     let (wrap, remark) = match wrap {
         Some(wrap) => (wrap, None),
-        None if periodic::is_periodic(&picture) => (true, None),
+        None if periodic::is_periodic(&picture) || joins_where_cut(&page, (background, &pieces), scale) => {
+            (true, None)
+        }
         None => repeated_anyway(&page, &pieces),
     };
     page.warnings.extend(remark.clone());
     advance(progress, "drawing", 2, 4)?;
-    let pieces = if wrap {
+    let (pieces, copies) = if wrap {
         let on_page = pieces.into_iter().filter(|p| !page.is_beside(p)).collect();
         Torus::new(page.size).whole(on_page)
     } else {
         page.count(true);
-        pieces
+        (pieces, Vec::new())
     };
     advance(progress, "drawing", 3, 4)?;
-    let origin = DrawingOrigin { bytes, name, params, wrap, scale, picture, background };
+    let origin = DrawingOrigin { bytes, name, params, wrap, copies, scale, picture, background };
     let library = assemble(&page, &pieces, origin, progress)?;
     for warning in &library.source.warnings {
         match remark.as_ref() == Some(warning) {
@@ -165,9 +171,19 @@ const MOST_BENEATH: usize = 1000;
 /// Number of whole pieces from which on a page is not repeated as a whole.
 const FEWEST: usize = 8;
 
+/// Whether opposite borders join where these cut pieces.
+fn joins_where_cut(
+    page: &DrawingPage,
+    (background, pieces): (Colour, &[DrawingPiece]),
+    size: [u32; 2],
+) -> bool {
+    let cut = pieces.iter().filter(|piece| periodic::is_cut(piece, page.size)).cloned();
+    periodic::is_periodic(&picture::drawn(page, background, &cut.collect::<Vec<_>>(), size))
+}
+
 /// Whether a page whose borders do not join is repeated nevertheless, because too few of its pieces are
 /// whole; and the warning about it.
-fn repeated_anyway(page: &read::DrawingPage, pieces: &[pieces::DrawingPiece]) -> (bool, Option<String>) {
+fn repeated_anyway(page: &DrawingPage, pieces: &[DrawingPiece]) -> (bool, Option<String>) {
     let inside = clip::page(page.size);
     let whole = pieces.iter().filter(|p| inside.contains_rect(p.bounds())).count();
     if whole >= FEWEST {

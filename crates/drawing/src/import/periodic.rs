@@ -1,6 +1,10 @@
 //! Whether the opposite borders of a picture join.
 
+use super::clip::page;
+use super::pieces::{DrawingPiece, PieceShape};
 use image::RgbImage;
+use kurbo::Shape as _;
+use vtex_base::geometry::BezPath;
 
 /// Largest share of the contrast at the borders that does not continue at the opposite ones.
 const LOOSE: f64 = 0.5;
@@ -13,6 +17,39 @@ const LONG: f64 = 0.05;
 const THIN: f64 = 0.02;
 /// Least contrast of a line along a border.
 const MARKED: f64 = 24.0;
+/// Least distance of the middle of a line from the border beside which it stands whole, in widths of the line.
+const BESIDE: f64 = 0.25;
+/// Farthest that whole areas reach beyond the border, and longest edge of theirs along it, as shares of their shorter side.
+const BEYOND: f64 = 0.2;
+const EDGE: f64 = 0.1;
+/// Largest distance from the border at which an edge lies along it, as a share of the page's shorter side.
+const ALONG: f64 = 1e-3;
+
+/// Whether the border may cut a piece. Those that stand beside it or touch it are whole, and say nothing of whether
+/// opposite borders join.
+pub(super) fn is_cut(piece: &DrawingPiece, size: [f64; 2]) -> bool {
+    let is_cut = |part: &PieceShape| {
+        let bounds = part.path.bounding_box();
+        let side = bounds.width().min(bounds.height());
+        let inside = part.stroke.as_ref().map_or(-BEYOND * side, |stroke| BESIDE * stroke.width);
+        let leaves = !page(size).inflate(-inside, -inside).contains_rect(bounds);
+        leaves || part.stroke.is_none() && lies_along(&part.path, size, EDGE * side)
+    };
+    piece.parts.iter().any(is_cut)
+}
+
+/// Whether an edge of at least this length lies along a border.
+fn lies_along(path: &BezPath, size: [f64; 2], least: f64) -> bool {
+    let near = ALONG * size[0].min(size[1]);
+    path.segments().any(|segment| {
+        let bounds = segment.bounding_box();
+        let [across, along] = [[bounds.x0, bounds.x1], [bounds.y0, bounds.y1]];
+        let lies = |[low, high]: [f64; 2], size: f64| {
+            high.abs().max(low.abs()) <= near || (low - size).abs().max((high - size).abs()) <= near
+        };
+        lies(across, size[0]) && bounds.height() >= least || lies(along, size[1]) && bounds.width() >= least
+    })
+}
 
 /// Whether opposite borders continue each other. Pictures with empty borders are periodic too.
 pub(super) fn is_periodic(picture: &RgbImage) -> bool {

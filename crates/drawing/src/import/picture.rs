@@ -39,7 +39,13 @@ fn by_resvg(page: &DrawingPage, [width, height]: [u32; 2]) -> Result<RgbImage, S
     }))
 }
 
-fn drawn(page: &DrawingPage, colour: Colour, pieces: &[DrawingPiece], [width, height]: [u32; 2]) -> RgbImage {
+/// Pieces over a colour, with gradients in their mean colour.
+pub(super) fn drawn(
+    page: &DrawingPage,
+    colour: Colour,
+    pieces: &[DrawingPiece],
+    [width, height]: [u32; 2],
+) -> RgbImage {
     let fine = [width, height].map(|v| v * SAMPLES);
     let mut picture = RgbImage::from_pixel(fine[0], fine[1], Rgb(colour.0));
     let [sx, sy] = [0, 1].map(|k| f64::from(fine[k]) / page.size[k]);

@@ -4,9 +4,11 @@
 //! borders, and their ends are linked to the ends at the same place of the opposite border.
 
 use super::clip::page;
+use super::joints;
 use super::lines::Lines;
-use super::offsets::{Offsets, Shift, plus};
+use super::offsets::{Offsets, Shift, minus, plus};
 use super::pieces::{DrawingPiece, PieceShape};
+use super::stacking::DrawnCopy;
 use kurbo::{PathSeg, Shape as _};
 use std::collections::BTreeMap;
 use vtex_base::geometry::{Affine, BezPath, ConvexPolygon, Point, Rect, Vec2, closed_rings};
@@ -58,9 +60,10 @@ impl Torus {
         Vec2::new(f64::from(shift[0]) * self.size[0], f64::from(shift[1]) * self.size[1])
     }
 
-    /// Makes pieces whole.
-    pub(super) fn whole(&self, pieces: Vec<DrawingPiece>) -> Vec<DrawingPiece> {
-        let (mut pieces, repeated) = self.once(pieces);
+    /// Makes pieces whole. Also returns what was drawn, in painting order, as copies of these.
+    pub(super) fn whole(&self, pieces: Vec<DrawingPiece>) -> (Vec<DrawingPiece>, Vec<DrawnCopy>) {
+        let drawn: Vec<Rect> = pieces.iter().map(DrawingPiece::bounds).collect();
+        let (mut pieces, repeated, of) = self.once(pieces);
         let bounds: Vec<Rect> = pieces.iter().map(DrawingPiece::bounds).collect();
         let alone: Vec<usize> =
             (0..pieces.len()).filter(|&k| self.sticks_out(&bounds[k]) && !repeated[k]).collect();
@@ -77,8 +80,17 @@ impl Torus {
                 piece.parts = piece.parts.iter().filter_map(|part| clipped(part, &clip)).collect();
             }
         }
+        let remains: Vec<bool> = pieces.iter().map(|p| !p.parts.is_empty()).collect();
+        let remaining = places_of(&remains);
         pieces.retain(|p| !p.parts.is_empty());
-        self.stitched(pieces)
+        let (mut whole, parts) = self.stitched(pieces);
+        joints::close(&mut whole, self.size);
+        let copy = |((kept, shift), bounds): ((usize, Shift), Rect)| {
+            let (piece, own) = parts[remaining[kept]?];
+            Some(DrawnCopy { piece, shift: plus(shift, own), bounds })
+        };
+        let copies = of.into_iter().zip(drawn).filter_map(copy).collect();
+        (whole, copies)
     }
 
     fn sticks_out(&self, b: &Rect) -> bool {
@@ -87,13 +99,14 @@ impl Torus {
     }
 
     /// Leaves out the copies of pieces that are drawn at several borders. Also returns for each remaining
-    /// piece whether it had a copy.
-    fn once(&self, pieces: Vec<DrawingPiece>) -> (Vec<DrawingPiece>, Vec<bool>) {
+    /// piece whether it had a copy, and for all pieces, of which remaining one they are copies, and where.
+    fn once(&self, pieces: Vec<DrawingPiece>) -> (Vec<DrawingPiece>, Vec<bool>, Vec<(usize, Shift)>) {
         let bounds: Vec<Rect> = pieces.iter().map(DrawingPiece::bounds).collect();
         let outside: Vec<usize> = (0..pieces.len()).filter(|&i| self.sticks_out(&bounds[i])).collect();
         let mut repeated = vec![false; pieces.len()];
+        let mut of: Vec<(usize, Shift)> = (0..pieces.len()).map(|k| (k, [0; 2])).collect();
         if outside.len() > MOST {
-            return (pieces, repeated);
+            return (pieces, repeated, of);
         }
         let areas: Vec<f64> = pieces.iter().map(|p| p.parts.iter().map(|q| q.path.area()).sum()).collect();
         let mut copy = vec![false; pieces.len()];
@@ -112,12 +125,18 @@ impl Torus {
                     && off <= self.same
                     && (areas[a] - areas[b]).abs() <= AREA * areas[a].abs().max(self.same * self.same)
                     && same_paint(&pieces[a], &pieces[b]);
+                if alike && !copy[b] {
+                    of[b] = (a, shift);
+                }
                 copy[b] |= alike;
                 repeated[a] |= alike;
             }
         }
+        let places = places_of(&copy.iter().map(|copy| !copy).collect::<Vec<_>>());
+        of.iter_mut().for_each(|(first, _)| *first = places[*first].unwrap_or_default());
         let kept = pieces.into_iter().zip(repeated).zip(copy).filter(|(_, copy)| !copy);
-        kept.map(|(kept, _)| kept).unzip()
+        let (pieces, repeated) = kept.map(|(kept, _)| kept).unzip();
+        (pieces, repeated, of)
     }
 
     /// Whether a small part of a piece lies outside the page and its copy is missing: no shape of its paint
@@ -140,8 +159,9 @@ impl Torus {
         over.iter().zip(shifts).all(missing)
     }
 
-    /// Joins halves that were cut by a border along it.
-    fn stitched(&self, pieces: Vec<DrawingPiece>) -> Vec<DrawingPiece> {
+    /// Joins halves that were cut by a border along it. Also returns for each piece of which one it is a part or, at
+    /// these periods, a copy.
+    fn stitched(&self, pieces: Vec<DrawingPiece>) -> (Vec<DrawingPiece>, Vec<(usize, Shift)>) {
         let mut chains: Vec<Chain> = Vec::new();
         let mut sets = Offsets::new(pieces.len());
         for (k, piece) in pieces.iter().enumerate() {
@@ -258,7 +278,7 @@ impl Torus {
         chains: &[Chain],
         next: &[Option<(usize, Shift)>],
         sets: &Offsets,
-    ) -> Vec<DrawingPiece> {
+    ) -> (Vec<DrawingPiece>, Vec<(usize, Shift)>) {
         let mut cut = vec![false; pieces.len()];
         chains.iter().for_each(|c| cut[c.piece] = true);
         let joined = |k: usize| cut[k] && !sets.is_endless(k);
@@ -287,6 +307,11 @@ impl Torus {
                 paths[sets.find(chains[start].piece).0].extend(closed(&straightened(ring, self.near)));
             }
         }
+        let of = |k: usize| if joined(k) { sets.find(k) } else { (k, [0; 2]) };
+        let is_whole: Vec<bool> = (0..pieces.len()).map(|k| of(k).0 == k).collect();
+        let places = places_of(&is_whole);
+        let part = |k: usize| (places[of(k).0].unwrap_or_default(), minus(of(k).1));
+        let parts = (0..pieces.len()).map(part).collect();
         let mut whole = Vec::new();
         for (k, piece) in pieces.iter().enumerate() {
             if !joined(k) {
@@ -298,7 +323,7 @@ impl Torus {
                 whole.push(DrawingPiece { parts: vec![part], ..piece.clone() });
             }
         }
-        whole
+        (whole, parts)
     }
 
     /// Moves points on a border beyond it by `by`, so that adjacent copies leave no gap.
@@ -336,6 +361,12 @@ impl Torus {
     pub(super) fn is_cut(&self, path: &BezPath) -> bool {
         closed_rings(path).iter().flatten().any(|s| self.border(s).is_some())
     }
+}
+
+/// The places of those that are kept, among these.
+fn places_of(is_kept: &[bool]) -> Vec<Option<usize>> {
+    let mut count = 0..;
+    is_kept.iter().map(|kept| if *kept { count.next() } else { None }).collect()
 }
 
 /// Whether two pieces have the same paint.

@@ -69,12 +69,13 @@ impl<'a> PdfTextons<'a> {
         textons
     }
 
-    /// The maps to the canvas of the visible copies of an instance.
-    fn places(&self, instance: &Instance) -> impl Iterator<Item = Affine> + use<'a> {
+    /// The heights of the visible copies of an instance, and their maps to the canvas.
+    fn places(&self, instance: &Instance) -> impl Iterator<Item = (i64, Affine)> + use<'a> {
         let (scene, affine) = (self.scene, instance.affine());
         let bounds = instance.reach(self.bounds[instance.element.index()]);
         let shifts = scene.copies(bounds).filter(move |&shift| is_seen(scene, bounds, shift));
-        shifts.map(move |shift| affine.then_translate(shift))
+        let height = i64::from(instance.height);
+        shifts.map(move |shift| (height + scene.height_of_copy(shift), affine.then_translate(shift)))
     }
 
     /// Draws a layer.
@@ -87,14 +88,20 @@ impl<'a> PdfTextons<'a> {
         content: &mut ContentStream,
         file: &mut File,
     ) -> Result<()> {
-        for instance in instances {
+        let places = |instance| self.places(instance).map(move |(height, affine)| (height, instance, affine));
+        let mut painted: Vec<(i64, &Instance, Affine)> = instances.iter().flat_map(places).collect();
+        if self.scene.is_stacked() {
+            painted.sort_by_key(|place| place.0);
+        }
+        for of_one in painted.chunk_by(|a, b| a.1.id == b.1.id) {
+            let instance = of_one[0].1;
             let key = (instance.element, instance.colour);
             let element = self.scene.element(instance);
             // Gradients are drawn in forms of their own.
             let shared = !element.base().is_soft()
                 && (self.uses[&key].saturating_sub(1) * path_elements(element) >= WORTH
                     || has_gradient(element, instance.colour));
-            for affine in self.places(instance) {
+            for &(_, _, affine) in of_one {
                 if let Some(shadow) = &instance.shadow {
                     let form = self.shadow(instance, shadow, file)?;
                     content.within(|c| {

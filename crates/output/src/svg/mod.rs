@@ -482,8 +482,23 @@ impl<'a> Document<'a> {
         }
     }
 
+    /// Writes elements, each in a group with its id, and copies of them, by their height.
+    fn write_stacked<W: Write>(&self, xml: &mut Xml<W>, layer: &Layer) -> io::Result<()> {
+        let copies = |instance| self.textons.copies(instance).map(move |shift| (instance, shift));
+        let mut all: Vec<(&Instance, Vec2)> = layer.instances.iter().flat_map(copies).collect();
+        all.sort_by_key(|(instance, shift)| self.scene.height(instance, *shift));
+        for (instance, shift) in all {
+            let copy = (shift != Vec2::ZERO).then(|| (shift, ViewerLoad::default()));
+            self.write_individual(xml, (layer, instance), copy)?;
+        }
+        Ok(())
+    }
+
     /// Writes elements, each in a group with its id, and motifs in groups of these.
     fn write_individuals<W: Write>(&self, xml: &mut Xml<W>, layer: &Layer) -> io::Result<()> {
+        if self.scene.is_stacked() {
+            return self.write_stacked(xml, layer);
+        }
         for run in layer.instances.chunk_by(|a, b| a.motif.is_some() && a.motif == b.motif) {
             let motif = run[0].motif.filter(|_| run.len() > 1);
             if let Some(number) = motif {

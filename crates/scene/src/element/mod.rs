@@ -19,6 +19,7 @@ pub use ellipse::{Ellipse, Profile};
 pub use gaussian::Gaussian;
 pub use gaussian::ROUND;
 pub use gradient::{Gradient, GradientKind, Stop};
+pub(crate) use line::is_default;
 pub use line::stroked;
 pub use line::{Cap, Join, Line};
 pub use rim::SoftRim;

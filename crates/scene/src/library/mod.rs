@@ -116,6 +116,10 @@ pub struct Source {
     /// analysed, and width and height are those of all copies. Default 1 and 1.
     #[serde(default = "one_copy", skip_serializing_if = "is_one_copy")]
     pub copies: [u32; 2],
+    /// How the copies of a periodic drawing overlap, as scales in rows do: by how many instances of their layer those one
+    /// period further along x and y are painted later. Default 0 and 0: copies are painted instance by instance.
+    #[serde(default, skip_serializing_if = "crate::element::is_default")]
+    pub stacking: [i32; 2],
     /// Factor by which the contrast was stretched before the analysis. The library has the colours of the exemplar.
     /// Default 1.
     #[serde(default = "not_stretched", skip_serializing_if = "is_not_stretched")]

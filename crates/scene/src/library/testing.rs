@@ -94,6 +94,7 @@ pub fn library(map: &LabelMap) -> Library {
             height: h,
             scale: [1.0; 2],
             copies: [1; 2],
+            stacking: [0; 2],
             contrast: 1.0,
             light: None,
             sha256: "0".repeat(64),

@@ -70,6 +70,10 @@ pub struct Scene {
     /// domain is listed once and stands for all its copies, shifted by whole widths or heights of the
     /// canvas (see [`Scene::copies`]).
     pub tile: Tile,
+    /// How the copies of a scene that repeats overlap, along x and y: what the height of those one canvas further along is
+    /// more than that of their original. Default 0 and 0: copies are painted directly after their original.
+    #[serde(default, skip_serializing_if = "crate::element::is_default")]
+    pub stacking: [i32; 2],
     /// The parameters of synthesis, including the seed; `None` for a reconstruction.
     pub parameters: Option<SynthParams>,
     /// Name and version of the program that made the scene.
@@ -313,13 +317,16 @@ pub struct Instance {
     /// Stroke along the outline.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stroke: Option<Stroke>,
+    /// What of a layer is higher is painted later, where copies are stacked ([`Scene::stacking`]). Default 0.
+    #[serde(default, skip_serializing_if = "crate::element::is_default")]
+    pub height: i32,
 }
 
 impl Instance {
     /// An instance with the identity transform, of no motif, without colour, shadow and stroke.
     pub fn new(id: InstanceId, element: ElementId) -> Self {
         let transform = Affine::IDENTITY.as_coeffs();
-        Self { id, element, transform, motif: None, colour: None, shadow: None, stroke: None }
+        Self { id, element, transform, motif: None, colour: None, shadow: None, stroke: None, height: 0 }
     }
 
     /// The transform.
@@ -365,6 +372,7 @@ impl Scene {
             width,
             height,
             page: None,
+            stacking: [0; 2],
             tile: Tile::default(),
             parameters: None,
             program: vtex_base::PROGRAM.into(),

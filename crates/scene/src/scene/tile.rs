@@ -5,7 +5,7 @@
 //! copies, shifted by whole widths and heights of the canvas. The same holds for control points of the
 //! background and for the outline of a domain. Code that draws a scene asks [`Scene::copies`] which copies
 //! reach the canvas and draws them directly after the original, so two overlapping textons overlap alike at
-//! every edge.
+//! every edge. Where copies are stacked, as scales in rows are, it draws them by [`Scene::height`].
 
 use super::{Instance, Scene};
 #[cfg(feature = "schema")]
@@ -47,6 +47,23 @@ impl Tile {
 }
 
 impl Scene {
+    /// Whether originals and copies of a layer are painted by their height.
+    pub fn is_stacked(&self) -> bool {
+        self.stacking != [0; 2] && self.tile.any()
+    }
+
+    /// The height of a copy of an instance with this shift.
+    pub fn height(&self, instance: &Instance, shift: Vec2) -> i64 {
+        i64::from(instance.height) + self.height_of_copy(shift)
+    }
+
+    /// What the height of a copy with this shift is more than that of its original.
+    pub fn height_of_copy(&self, shift: Vec2) -> i64 {
+        let count = [shift.x / f64::from(self.width), shift.y / f64::from(self.height)];
+        let along = |k: usize| i64::from(self.stacking[k]) * libm::round(count[k]) as i64;
+        along(0) + along(1)
+    }
+
     /// Period along each axis, in pixels; `None` along an axis that does not repeat.
     pub fn periods(&self) -> [Option<f64>; 2] {
         self.tile.periods([f64::from(self.width), f64::from(self.height)])

@@ -204,6 +204,7 @@ fn has_no_order(library: &Library, class: &[usize]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::arrange::motifs::PaintingOrder;
     use crate::synth::testing::drawing_of;
     use vtex_base::raster::LabelMap;
     use vtex_base::raster::colour::Colour;
@@ -244,7 +245,7 @@ mod tests {
     fn tiles_that_change_places_lie_where_tiles_lay() {
         let library = tiles(|x, y| (x * x + 3 * y * y + x * y) % 7 % 3);
         let relations = ElementRelations::new(&library);
-        let order = |k: usize| (0, k);
+        let order = |k: usize| PaintingOrder { instance: k, ..PaintingOrder::default() };
         let copy =
             |k: usize| DrawnElement { element: k, map: Affine::IDENTITY, order: order(k), motif: None };
         let before: Vec<DrawnElement> = (0..64).map(copy).collect();

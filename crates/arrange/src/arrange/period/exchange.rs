@@ -265,7 +265,7 @@ impl OccupiedCanvas<'_> {
             place.y -= f64::from(self.canvas[1]) * libm::floor(place.y / f64::from(self.canvas[1]));
         }
         let centre = self.relations.bounds[p.element].center();
-        let [a, b, c, d, ..] = self.library.layers[p.order.0].instances[p.order.1].transform;
+        let [a, b, c, d, ..] = self.library.layers[p.order.layer].instances[p.order.instance].transform;
         let own = Affine::new([a, b, c, d, 0.0, 0.0]);
         let linear = if turn.abs() < 1e-3 { own } else { rotation(turn) * own };
         let shift = place - linear * centre;

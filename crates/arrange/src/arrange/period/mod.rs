@@ -21,7 +21,7 @@ mod relations;
 #[cfg(test)]
 mod tests;
 
-use crate::arrange::motifs::{DrawnElement, MotifUnits};
+use crate::arrange::motifs::{DrawnElement, MotifUnits, PaintingOrder};
 use alike::AlikeShapes;
 use canvas::{MOST_PIXELS, OccupiedCanvas};
 use parts::TakenApart;
@@ -220,10 +220,11 @@ fn repeated(library: &Library, params: &SynthParams, relations: &ElementRelation
                 for i in range(0, b.x0, b.x1) {
                     let shift = Vec2::new(i as f64 * period[0], j as f64 * period[1]);
                     let map = Affine::translate(shift) * own;
+                    let order = PaintingOrder { layer: l, instance: n, later: 0 };
                     placed.push(DrawnElement {
                         element: instance.element.index(),
                         map,
-                        order: (l, n),
+                        order: order.of_copy(&library.source, [i as i32, j as i32]),
                         motif: None,
                     });
                 }

@@ -2,7 +2,7 @@
 //! the motif differ.
 
 use super::canvas::OccupiedCanvas;
-use crate::arrange::motifs::{DrawnElement, MotifUnits};
+use crate::arrange::motifs::{DrawnElement, MotifUnits, PaintingOrder};
 use vtex_base::error::Result;
 use vtex_base::geometry::{Affine, Vec2};
 use vtex_base::sampling::{Stream, stream};
@@ -28,7 +28,11 @@ impl TakenApart {
             if parts.len() > 1 {
                 apart.wholes.push((unit.element, unit.map, apart.placed.len()));
             }
-            let part = |part: &DrawnElement| DrawnElement { map: unit.map * part.map, motif, ..*part };
+            let part = |part: &DrawnElement| {
+                let order =
+                    PaintingOrder { later: part.order.later.saturating_add(unit.order.later), ..part.order };
+                DrawnElement { map: unit.map * part.map, order, motif, ..*part }
+            };
             apart.placed.extend(parts.iter().map(part));
         }
         apart
@@ -72,24 +76,58 @@ impl TakenApart {
     }
 }
 
+/// Distances that the parts of a motif keep from each other, the largest that they have, in units of that between
+/// elements.
+const APART: [f64; 3] = [1.0, 0.5, 0.0];
+
 impl OccupiedCanvas<'_> {
     /// Moves the parts of a motif, of which the first is the element number `first`, by the first of the
     /// vectors `tried` with which all fit.
     fn move_parts(&mut self, parts: &mut [DrawnElement], first: usize, tried: &[Vec<Vec2>]) {
-        let label = |k: usize| (first + k) as u32 + 1;
         if parts.iter().any(|p| self.zone(p) != 0) || tried.iter().flatten().all(|v| v.hypot() < LEAST) {
             return;
         }
-        parts.iter().enumerate().for_each(|(k, p)| self.write(p, 0, label(k)));
+        self.take(parts, first);
+        let apart = APART.into_iter().find(|&apart| {
+            let fit = self.lay(parts, first, apart);
+            if fit {
+                self.take(parts, first);
+            }
+            fit
+        });
         for by in tried {
             let moved =
                 |(p, by): (&DrawnElement, &Vec2)| DrawnElement { map: Affine::translate(*by) * p.map, ..*p };
             let new: Vec<DrawnElement> = parts.iter().zip(by).map(moved).collect();
-            if new.iter().all(|p| self.zone(p) == 0 && self.fits(p, 1.0)) {
+            let fit = new.iter().all(|p| self.zone(p) == 0 && self.fits(p, 1.0))
+                && apart.is_none_or(|apart| self.lay(&new, first, apart));
+            if fit {
                 parts.copy_from_slice(&new);
                 break;
             }
         }
-        parts.iter().enumerate().for_each(|(k, p)| self.write(p, label(k), 0));
+        parts.iter().enumerate().for_each(|(k, p)| self.write(p, number(first, k), 0));
     }
+
+    /// Puts parts on the canvas one after another, if each is at least so far apart from what is there.
+    fn lay(&mut self, parts: &[DrawnElement], first: usize, apart: f64) -> bool {
+        for (k, part) in parts.iter().enumerate() {
+            if !self.fits(part, apart) {
+                self.take(&parts[..k], first);
+                return false;
+            }
+            self.write(part, number(first, k), 0);
+        }
+        true
+    }
+
+    /// Takes parts off the canvas.
+    fn take(&mut self, parts: &[DrawnElement], first: usize) {
+        parts.iter().enumerate().for_each(|(k, p)| self.write(p, 0, number(first, k)));
+    }
+}
+
+/// The number on the canvas of a part of the motif whose first part is the element number `first`.
+fn number(first: usize, part: usize) -> u32 {
+    (first + part) as u32 + 1
 }

@@ -6,8 +6,8 @@ use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 use vtex_base::geometry::{Outline, Point, Rect, ring_path};
-use vtex_base::raster::Mask;
 use vtex_base::raster::contact::ContactPage;
+use vtex_base::raster::{Mask, holes};
 use vtex_scene::element::{Shape, SimilarTo, bounds};
 use vtex_scene::library::{ExemplarElement, Library};
 use vtex_scene::reconstruct::equal;
@@ -118,11 +118,13 @@ fn mask_of(element: &ExemplarElement) -> Mask {
     if element.clipped { Mask::default() } else { pixels::of_shapes(&element.shapes) }
 }
 
-/// The pixels of shapes and of their holes.
+/// The pixels of shapes and of their holes, also of those that several shapes enclose together.
 pub(super) fn with_holes(shapes: &[Shape]) -> Mask {
+    let between = holes(&pixels::of_shapes(shapes));
     let rings = shapes.iter().flat_map(|shape| shape.outline.polygons(0.25));
     let filled = rings.filter_map(|ring| Outline::new(&ring_path(&ring)));
-    Mask::from_spans(filled.flat_map(|outline| pixels::mask(&outline).spans().to_vec()).collect())
+    let all = filled.map(|outline| pixels::mask(&outline)).chain(between);
+    Mask::from_spans(all.flat_map(|mask| mask.spans().to_vec()).collect())
 }
 
 /// The pixels of each element with holes in which no other lies, and of these. The page repeats; `on_page` has what of

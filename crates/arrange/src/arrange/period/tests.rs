@@ -44,7 +44,7 @@ fn pixels_of_elements_follow_all_of_a_map() {
     let relations = ElementRelations::new(&library);
     let area = |map: Affine| {
         let mut canvas = OccupiedCanvas::new(&library, &params, &relations, MOST_PIXELS).unwrap();
-        let p = DrawnElement { element: 0, map, order: (0, 0), motif: None };
+        let p = DrawnElement { element: 0, map, order: PaintingOrder::default(), motif: None };
         canvas.write(&p, 1, 0);
         canvas.covered(&[p], || Ok(())).unwrap().iter().sum::<f64>() * 320.0 * 320.0
     };
