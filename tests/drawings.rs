@@ -173,7 +173,7 @@ fn what_cannot_be_read_is_named_or_left_out() {
             "cut",
         ),
         (
-            r#"<pattern id="p" width="9" height="9" patternUnits="userSpaceOnUse"><circle r="3"/></pattern><rect id="filled" x="5" y="5" width="40" height="40" fill="url(#p)"/>"#,
+            r#"<pattern id="p" width="9" height="9" patternUnits="userSpaceOnUse"><circle r="3"/></pattern><circle id="filled" cx="25" cy="25" r="20" fill="url(#p)"/>"#,
             "filled",
         ),
         (
@@ -349,6 +349,51 @@ fn scales_lie_over_one_another_as_on_the_page_in_every_period() {
             assert!(count < 40, "{tile:?}: {count}");
         }
     }
+}
+
+/// A page with a pattern of a cross, and four quarters of a disc around it.
+fn patterned(transform: &str, filled: &str) -> Vec<u8> {
+    let disc = |x: i32, y: i32| format!(r##"<circle cx="{x}" cy="{y}" r="3" fill="#b40"/>"##);
+    let discs: String = [(0, 0), (16, 0), (0, 12), (16, 12)].map(|(x, y)| disc(x, y)).concat();
+    svg(&format!(
+        r##"<pattern id="p" patternUnits="userSpaceOnUse" width="16" height="12" patternTransform="{transform}">
+        <rect width="16" height="12" fill="#fec"/><path d="M8 3v6M5 6h6" stroke="#099"/>{discs}</pattern>{filled}"##
+    ))
+}
+
+#[test]
+fn a_page_that_a_pattern_fills_is_one_copy_of_it() {
+    let whole = r##"<rect x="-9" y="-9" width="800" height="600" fill="#fff"/><rect x="-5" y="-5" width="300" height="200" fill="url(#p)"/>"##;
+    for (transform, size, turned) in [("", [16, 12], false), ("scale(2) rotate(30)", [32, 24], true)] {
+        let library = read(&patterned(transform, whole)).unwrap();
+        assert_eq!([library.source.width, library.source.height], size);
+        assert!(library.arrangement.periodic, "{transform}");
+        assert_eq!(library.primaries().len(), 2, "a cross and a disc");
+        assert_eq!(library.background().fallback.0, [255, 238, 204]);
+        assert_eq!(library.source.warnings.iter().any(|w| w.contains("upright")), turned);
+    }
+}
+
+#[test]
+fn patterns_in_convex_shapes_are_drawn_copy_by_copy() {
+    let beside = r#"<rect x="10" y="10" width="40" height="30" fill="url(#p)" stroke="green"/><circle cx="80" cy="50" r="9"/>"#;
+    let bytes = patterned("rotate(20)", beside);
+    let library = read(&bytes).unwrap();
+    assert_eq!([library.source.width, library.source.height], [100, 80]);
+    assert!(difference(&bytes, &library) < 1.5);
+    // Not of other shapes, nor as strokes, and not without end.
+    for odd in [
+        r#"<circle cx="50" cy="40" r="30" fill="url(#p)"/>"#,
+        r#"<path d="M9 9h50v50" fill="none" stroke="url(#p)"/>"#,
+    ] {
+        let bytes = patterned("", odd);
+        assert!(read(&bytes).unwrap_err().to_string().contains("pattern"), "{odd}");
+    }
+    let endless = patterned(
+        "scale(.001)",
+        r#"<rect x="10" y="10" width="40" height="30" fill="url(#p)"/><rect width="1" height="1"/>"#,
+    );
+    assert!(read(&endless).unwrap_err().to_string().contains("too many copies"));
 }
 
 #[test]

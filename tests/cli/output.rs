@@ -380,7 +380,7 @@ fn lengths_are_written_exactly_in_every_format() {
     assert!(pattern.contains(&format!("scale({by:.12} {by:.12})")), "{by}");
     let media_box = |name: &str| {
         let pdf = String::from_utf8_lossy(&folder.read(name)).into_owned();
-        pdf.split_once("/MediaBox [0 0 ").unwrap().1.split_once(']').unwrap().0.to_owned()
+        pdf.split_once("/MediaBox[0 0 ").unwrap().1.split_once(']').unwrap().0.to_owned()
     };
     assert_eq!(media_box("a.pdf"), "850.3937 850.3937");
     assert_eq!(density(&folder.read("a.png")), Some([1180, 1180]));
@@ -420,7 +420,7 @@ fn a_page_that_is_no_whole_number_of_pixels_is_stretched_to_be_exact() {
     }
     folder.run(&format!("{synth} --size 1in --dpi 144 -o c.pdf")).succeeds();
     let pdf = String::from_utf8_lossy(&folder.read("c.pdf")).into_owned();
-    assert!(pdf.contains("/MediaBox [0 0 72 72]"), "an inch has 72 points");
+    assert!(pdf.contains("/MediaBox[0 0 72 72]"), "an inch has 72 points");
     // Without lengths --dpi states the page.
     folder.run(&format!("{synth} --size 90x60 --dpi 150 -o d.svg")).succeeds();
     assert!(root(&folder.read("d.svg")).contains(r#"width="15.24mm" height="10.16mm" viewBox="0 0 90 60""#));

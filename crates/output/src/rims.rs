@@ -121,8 +121,7 @@ fn a_pdf_has_three_lines_for_a_rim() {
     let strokes = |scene: &Scene| {
         let mut bytes = Vec::new();
         pdf::write(scene, &mut bytes).unwrap();
-        let count = |needle: &[u8]| bytes.windows(needle.len()).filter(|w| *w == needle).count();
-        count(b"/CA ")
+        pdf::tests::count(&pdf::tests::objects(&bytes), "/CA ")
     };
     let rim = SoftRim { width: 12.0, colour: Colour([10, 60, 220]), opacity: 0.9 };
     assert_eq!((strokes(&square(None)), strokes(&square(Some(rim)))), (0, 3));

@@ -122,7 +122,7 @@ pub(crate) struct AnalyzeFlags {
     #[arg(long, value_name = "HOW", hide_possible_values = true, help_heading = "Drawings")]
     #[arg(value_parser = one_of(&["auto", "contact", "none"], named::<MotifGrouping>))]
     pub(crate) group: Option<MotifGrouping>,
-    /// Leave out parts of a drawing that vtex cannot read: raster images, filters, masks, pattern fills
+    /// Leave out parts of a drawing that vtex cannot read: raster images, filters, masks, some pattern fills
     /// [default: false]
     #[arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
     #[arg(hide_possible_values = true, help_heading = "Drawings")]

@@ -16,7 +16,7 @@ use vtex_scene::scene::{Method, SynthParams};
 /// each shape of the library.
 const SVG_BYTES: [f64; 4] = [120.0, 55.0, 25.0, 100.0];
 /// Bytes of a PDF for each shape drawn, of a photograph and of a drawing, and for each shape of the library.
-const PDF_BYTES: [f64; 3] = [14.0, 6.0, 40.0];
+const PDF_BYTES: [f64; 3] = [9.0, 4.0, 26.0];
 /// Bytes of the background as SVG and as PDF, of a photograph and of a drawing.
 const BACKGROUND_BYTES: [[f64; 2]; 2] = [[35e3, 300e3], [0.0, 4e3]];
 /// Seconds for each megapixel of the canvas, and for each million shapes, of a photograph.

@@ -1,6 +1,7 @@
 //! SVG path data: a compact writer and a strict reader.
 
 use kurbo::{BezPath, PathEl, Point};
+use svgtypes::{SimplePathSegment as Segment, SimplifyingPathParser};
 
 /// Format of written path data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -128,125 +129,26 @@ impl PathWriter {
 /// About as many bytes as an element takes in stored outlines.
 const BYTES_PER_ELEMENT: usize = 12;
 
-/// Parses path data with the commands M, L, H, V, C and Z, absolute or relative.
+/// Parses path data with the commands M, L, H, V, C, S, Q, T and Z, absolute or relative.
 ///
 /// # Errors
-/// A message with the byte offset: an unknown command, a missing or non-finite number, or data that
-/// does not start with a moveto.
+/// A message with the position: an unknown command, a missing or non-finite number, data that does not start with a
+/// moveto, or an arc, whose curves would be approximate.
 pub fn parse_path(text: &str) -> Result<BezPath, String> {
-    let mut r = PathReader { text, at: 0 };
+    if let Some(at) = text.find(['A', 'a']) {
+        return Err(format!("path data: an arc at byte {at}"));
+    }
     let mut path = BezPath::with_capacity(text.len() / BYTES_PER_ELEMENT + 1);
-    let (mut current, mut start) = (Point::ORIGIN, Point::ORIGIN);
-    let mut command = 0u8;
-    loop {
-        r.skip_separators();
-        let Some(&byte) = r.bytes().get(r.at) else { break };
-        if byte.is_ascii_alphabetic() {
-            command = byte;
-            r.at += 1;
-        } else {
-            match command {
-                b'M' => command = b'L',
-                b'm' => command = b'l',
-                0 | b'Z' | b'z' => return Err(format!("path data: a command was expected at byte {}", r.at)),
-                _ => {}
-            }
-        }
-        if path.elements().is_empty() && !matches!(command, b'M' | b'm') {
-            return Err("path data does not begin with M".into());
-        }
-        let origin = if command.is_ascii_lowercase() { current } else { Point::ORIGIN };
-        match command {
-            b'M' | b'm' => {
-                current = r.point(origin)?;
-                start = current;
-                path.move_to(current);
-            }
-            b'L' | b'l' => {
-                current = r.point(origin)?;
-                path.line_to(current);
-            }
-            b'H' | b'h' => {
-                current.x = origin.x + r.number()?;
-                path.line_to(current);
-            }
-            b'V' | b'v' => {
-                current.y = origin.y + r.number()?;
-                path.line_to(current);
-            }
-            b'C' | b'c' => {
-                let (a, b) = (r.point(origin)?, r.point(origin)?);
-                current = r.point(origin)?;
-                path.curve_to(a, b, current);
-            }
-            b'Z' | b'z' => {
-                path.close_path();
-                current = start;
-            }
-            other => {
-                return Err(format!(
-                    "path data: unknown command '{}' at byte {}",
-                    char::from(other),
-                    r.at - 1
-                ));
-            }
+    for segment in SimplifyingPathParser::from(text) {
+        match segment.map_err(|e| format!("path data: {e}"))? {
+            Segment::MoveTo { x, y } => path.move_to((x, y)),
+            Segment::LineTo { x, y } => path.line_to((x, y)),
+            Segment::CurveTo { x1, y1, x2, y2, x, y } => path.curve_to((x1, y1), (x2, y2), (x, y)),
+            Segment::Quadratic { x1, y1, x, y } => path.quad_to((x1, y1), (x, y)),
+            Segment::ClosePath => path.close_path(),
         }
     }
-    Ok(path)
-}
-
-struct PathReader<'a> {
-    text: &'a str,
-    at: usize,
-}
-
-impl PathReader<'_> {
-    fn bytes(&self) -> &[u8] {
-        self.text.as_bytes()
-    }
-
-    fn skip_separators(&mut self) {
-        while self.bytes().get(self.at).is_some_and(|b| b.is_ascii_whitespace() || *b == b',') {
-            self.at += 1;
-        }
-    }
-
-    fn number(&mut self) -> Result<f64, String> {
-        self.skip_separators();
-        let start = self.at;
-        let digits = |r: &mut Self| {
-            let from = r.at;
-            while r.bytes().get(r.at).is_some_and(u8::is_ascii_digit) {
-                r.at += 1;
-            }
-            r.at > from
-        };
-        if matches!(self.bytes().get(self.at), Some(b'-' | b'+')) {
-            self.at += 1;
-        }
-        let mut any = digits(self);
-        if self.bytes().get(self.at) == Some(&b'.') {
-            self.at += 1;
-            any |= digits(self);
-        }
-        if any && matches!(self.bytes().get(self.at), Some(b'e' | b'E')) {
-            self.at += 1;
-            if matches!(self.bytes().get(self.at), Some(b'-' | b'+')) {
-                self.at += 1;
-            }
-            any = digits(self);
-        }
-        // Only ASCII bytes were skipped.
-        match self.text[start..self.at].parse::<f64>() {
-            Ok(v) if any && v.is_finite() => Ok(v),
-            _ => Err(format!("path data: a number was expected at byte {start}")),
-        }
-    }
-
-    fn point(&mut self, origin: Point) -> Result<Point, String> {
-        let (x, y) = (self.number()?, self.number()?);
-        Ok(Point::new(origin.x + x, origin.y + y))
-    }
+    if path.is_finite() { Ok(path) } else { Err("path data: a number is too large".into()) }
 }
 
 #[cfg(test)]

@@ -22,6 +22,7 @@ mod lines;
 mod motifs;
 mod offsets;
 mod paint;
+mod patterns;
 mod periodic;
 mod picture;
 mod pieces;
@@ -69,7 +70,7 @@ pub fn is_drawing(bytes: &[u8]) -> bool {
 /// # Errors
 /// [`vtex_base::Error::Control`] for what is no SVG, or one that takes too much to parse ([`svg_tree::tree`]) or to draw
 /// ([`svg_tree::draw`]), for a page beyond a million units, and, unless
-/// `lenient`, for raster images, filters, masks, blend modes, pattern fills and clip paths that are not
+/// `lenient`, for raster images, filters, masks, blend modes, patterns in other shapes and clip paths that are not
 /// convex polygons; [`vtex_base::Error::TooLarge`] beyond 64 MiB, 400 000 XML elements or 100 000 shapes, or
 /// for shapes that together paint more than a gigapixel where the page has 200 px;
 /// [`vtex_base::Error::Parameter`], [`vtex_base::Error::Interrupted`]. For a picture of lines also
@@ -79,10 +80,11 @@ pub fn import(bytes: &[u8], name: &str, params: &ImportParams, progress: &dyn Pr
     advance(progress, "drawing", 0, 4)?;
     let (mut page, wrap) = if params.analyze.kind == PictureKind::Curves && !is_drawing(bytes) {
         let art = line_art::read(bytes, name, params.wrap, progress)?;
-        let page = read::read(art.svg.as_bytes(), name, params.analyze.lenient, progress)?;
+        let page = read::read(art.svg.as_bytes(), name, (params.analyze.lenient, false), progress)?;
         (DrawingPage { warnings: art.warnings, ..page }, Some(art.wrap))
     } else {
-        (read::read(bytes, name, params.analyze.lenient, progress)?, params.wrap)
+        let of_pattern = params.wrap != Some(false);
+        (read::read(bytes, name, (params.analyze.lenient, of_pattern), progress)?, params.wrap)
     };
     advance(progress, "drawing", 1, 4)?;
     let split = matches!(params.analyze.elements, Grouping::Auto | Grouping::Piece);
@@ -151,7 +153,7 @@ pub fn as_drawn(bytes: &[u8], name: &str, progress: &dyn Progress) -> Result<Lib
 /// [`vtex_base::Error::Control`] for what is no SVG, and for a drawing without shapes or with raster images,
 /// filters, masks, blend modes or pattern fills; [`vtex_base::Error::TooLarge`] as [`import`].
 pub fn drawn(bytes: &[u8], name: &str, [width, height]: [u32; 2]) -> Result<Vec<Shape>> {
-    let page = read::read(bytes, name, false, &())?;
+    let page = read::read(bytes, name, (false, false), &())?;
     let [wide, high] = page.size;
     let scale = (f64::from(width) / wide).min(f64::from(height) / high);
     let left = (f64::from(width) - scale * wide) / 2.0;

@@ -4,6 +4,7 @@
 
 use super::clip;
 use super::paint::{self, DrawnPaint};
+use super::patterns;
 use super::pieces::{DrawingPiece, subpaths};
 use crate::svg_tree;
 use kurbo::Shape as _;
@@ -110,7 +111,13 @@ pub(super) struct DrawnStroke {
 }
 
 /// Reads a drawing. Unsupported parts are errors, or are left out and counted if `lenient`.
-pub(super) fn read(bytes: &[u8], name: &str, lenient: bool, progress: &dyn Progress) -> Result<DrawingPage> {
+/// With `of_pattern`, the page of a drawing that is nothing but a pattern is one copy of it.
+pub(super) fn read(
+    bytes: &[u8],
+    name: &str,
+    (lenient, of_pattern): (bool, bool),
+    progress: &dyn Progress,
+) -> Result<DrawingPage> {
     let fail = |found: svg_tree::SvgFault| fault(name, found.reason, found.advice);
     let text = svg_tree::text(bytes, name, fail)?;
     if text.len() > LARGEST {
@@ -129,14 +136,23 @@ pub(super) fn read(bytes: &[u8], name: &str, lenient: bool, progress: &dyn Progr
     }
     let tree = svg_tree::tree_with_images(&document).map_err(fail)?;
     let size = [tree.size().width(), tree.size().height()].map(f64::from);
+    let far = FURTHEST * size[0].max(size[1]);
+    let part = if of_pattern { patterns::repeated_part(&tree) } else { None };
+    let size = part.as_ref().map_or(size, |part| part.size);
     if size.iter().any(|v| !(1e-3..=LARGEST_PAGE).contains(v)) {
         // As 32-bit numbers they have no more digits than the drawing.
         let reason = format!("its page has {} x {} units", tree.size().width(), tree.size().height());
         return Err(fault(name, reason, "scale it to between 0.001 and 1000000 units"));
     }
     advance(progress, "drawing", 0, 4)?;
-    let mut reader = DrawingReader { progress, ..DrawingReader::new(name, lenient, &document, size) };
-    let root = WalkState { group: None, layer: 0, opacity: 1.0, map: Affine::IDENTITY, depth: 0, id: "" };
+    let mut reader = DrawingReader { progress, far, ..DrawingReader::new(name, lenient, &document, size) };
+    // The picture of the page is drawn from its shapes.
+    (reader.is_pattern, reader.is_incomplete) = (part.is_some(), part.is_some());
+    if part.as_ref().is_some_and(|part| part.is_turned) {
+        reader.count("turned patterns are read upright");
+    }
+    let map = part.map_or(Affine::IDENTITY, |part| part.map);
+    let root = WalkState { group: None, layer: 0, opacity: 1.0, map, depth: 0, id: "" };
     reader.group(tree.root(), root, &[])?;
     let DrawingReader { items, groups, layers, counts, is_incomplete, .. } = reader;
     let warnings = counts.into_iter().map(|(what, n)| format!("{what} ({n})"));
@@ -184,6 +200,8 @@ struct DrawingReader<'a, 'd> {
     name: &'a str,
     lenient: bool,
     size: [f64; 2],
+    /// Furthest coordinate of a shape.
+    far: f64,
     /// The first XML element of each id.
     named: BTreeMap<&'a str, roxmltree::Node<'a, 'd>>,
     items: Vec<DrawnShape>,
@@ -197,6 +215,10 @@ struct DrawingReader<'a, 'd> {
     /// Descriptions of what was changed or left out, with counts.
     counts: BTreeMap<&'static str, usize>,
     is_incomplete: bool,
+    /// Number of copies of patterns.
+    copies: usize,
+    /// Whether the page is one copy of the pattern that the drawing is.
+    is_pattern: bool,
 }
 
 /// State of the walk through the tree.
@@ -227,6 +249,7 @@ impl<'a, 'd> DrawingReader<'a, 'd> {
             name,
             lenient,
             size,
+            far: f64::INFINITY,
             named,
             items: Vec::new(),
             segments: 0,
@@ -236,6 +259,8 @@ impl<'a, 'd> DrawingReader<'a, 'd> {
             numbers: BTreeMap::new(),
             counts: BTreeMap::new(),
             is_incomplete: false,
+            copies: 0,
+            is_pattern: false,
         }
     }
 
@@ -300,7 +325,10 @@ impl<'a, 'd> DrawingReader<'a, 'd> {
         for child in group.children() {
             match child {
                 usvg::Node::Group(inner) => self.group(inner, place, &clips)?,
-                usvg::Node::Path(path) if path.is_visible() => self.path(path, place, &clips)?,
+                usvg::Node::Path(path) if path.is_visible() => {
+                    self.pattern(path, place, &clips)?;
+                    self.path(path, place, &clips)?;
+                }
                 usvg::Node::Image(image) if image.is_visible() => {
                     self.unreadable(place.id, "is a raster image", "raster images are left out")?;
                 }
@@ -338,6 +366,43 @@ impl<'a, 'd> DrawingReader<'a, 'd> {
         self.layers.len() - 1
     }
 
+    /// The copies of the pattern that fills a path, if one does.
+    fn pattern<'t>(
+        &mut self,
+        path: &'t usvg::Path,
+        place: WalkState<'t>,
+        clips: &[ConvexPolygon],
+    ) -> Result<()> {
+        let Some(fill) = path.fill() else { return Ok(()) };
+        let usvg::Paint::Pattern(pattern) = fill.paint() else { return Ok(()) };
+        let opacity = place.opacity * f64::from(fill.opacity().get());
+        // The contents are no group.
+        let within = |map: Affine| WalkState { opacity, map, depth: 0, id: path.id(), ..place };
+        if self.is_pattern {
+            // Its other copies are those of the page.
+            let [a, b, c, d, ..] = patterns::map(pattern, place.map).as_coeffs();
+            return self.group(pattern.root(), within(Affine::new([a, b, c, d, 0.0, 0.0])), clips);
+        }
+        let drawn = place.map * bezier(path.data());
+        let Some(shape) = ConvexPolygon::of_path(&drawn) else {
+            let what = "is no convex polygon, and filled with a pattern";
+            return self.unreadable(path.id(), what, "pattern fills of other shapes are left out");
+        };
+        let Some(copies) = patterns::copies(pattern, place.map, drawn.bounding_box()) else {
+            let what = "is filled with too many copies of a pattern";
+            return self.unreadable(path.id(), what, "pattern fills of very many copies are left out");
+        };
+        self.copies += copies.len();
+        if self.copies > MOST_ITEMS {
+            return Err(too_many(self.name, self.copies, MOST_ITEMS));
+        }
+        for (map, tile) in copies {
+            let clips = [clips, &[shape.clone(), tile]].concat();
+            self.group(pattern.root(), within(map), &clips)?;
+        }
+        Ok(())
+    }
+
     fn path(&mut self, path: &usvg::Path, place: WalkState<'_>, clips: &[ConvexPolygon]) -> Result<()> {
         advance(self.progress, "drawing", 0, 4)?;
         if self.items.len() >= MOST_ITEMS {
@@ -369,11 +434,12 @@ impl<'a, 'd> DrawingReader<'a, 'd> {
                     }
                     painted.push((part, paint));
                 }
-                Some(None) => {
-                    let what = "is filled with a pattern";
-                    self.unreadable(path.id(), what, "pattern fills are left out")?;
+                Some(None) if !part => {
+                    let what = "is stroked with a pattern";
+                    self.unreadable(path.id(), what, "strokes of a pattern are left out")?;
                 }
-                None => {}
+                // The copies of the pattern are drawn.
+                Some(None) | None => {}
             }
         }
         let fill = painted.iter().find(|p| p.0).map(|(_, paint)| DrawnFill {
@@ -382,10 +448,9 @@ impl<'a, 'd> DrawingReader<'a, 'd> {
         });
         let stroke = painted.iter().find(|p| !p.0).and_then(|(_, p)| stroke(path.stroke()?, p.clone(), map));
         let whole = bezier(path.data());
-        let far = FURTHEST * self.size[0].max(self.size[1]);
         let reach = stroke.as_ref().map_or(0.0, |s| s.stroke.width / 2.0);
         let b = (map * &whole).bounding_box().inflate(reach, reach);
-        if ![b.x0, b.y0, b.x1, b.y1].iter().all(|v| v.abs() <= far) {
+        if ![b.x0, b.y0, b.x1, b.y1].iter().all(|v| v.abs() <= self.far) {
             let what = "reaches further than a hundred pages away";
             return self.unreadable(path.id(), what, "shapes that reach far beyond the page are left out");
         }

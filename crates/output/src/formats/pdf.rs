@@ -26,5 +26,6 @@ fn is_own(start: &[u8], rest: &mut dyn Read) -> io::Result<bool> {
     }
     let mut whole = start.to_vec();
     rest.read_to_end(&mut whole)?;
-    Ok(whole.windows(16).any(|w| w == b"/Producer (vtex "))
+    let marks: [&[u8]; 2] = [b"/Producer(vtex ", b"/Producer (vtex "];
+    Ok(marks.iter().any(|mark| whole.windows(mark.len()).any(|w| w == *mark)))
 }

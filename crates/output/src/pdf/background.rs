@@ -1,18 +1,18 @@
 //! The background field in PDF: rectangles of one colour, blended by two masks.
 //!
-//! In PDF every stop of a gradient takes an object of some 200 bytes, which no filter packs. So the field is
-//! sampled at the nodes of a lattice and interpolated between them. Each node has a cell that reaches to the
-//! nodes beside it. Along x, the cells of odd nodes are painted over those of even nodes through a mask that is
-//! opaque at odd nodes, transparent at even ones and linear between. Along y, the odd rows are painted over the
-//! even rows in the same way. The result is bilinear between nodes. Borders between cells are not visible: those
-//! of even cells lie under opaque paint, those of odd cells are transparent. The only gradients are those of the
-//! masks, one for each odd column and row; the cells are plain rectangles in a packed stream.
+//! In PDF every stop of a gradient takes some 200 bytes before they are packed. So the field is sampled at the nodes of
+//! a lattice and interpolated between them. Each node has a cell that reaches to the nodes beside it. Along x, the cells
+//! of odd nodes are painted over those of even nodes through a mask that is opaque at odd nodes, transparent at even ones
+//! and linear between. Along y, the odd rows are painted over the even rows in the same way. The result is bilinear
+//! between nodes. Borders between cells are not visible: those of even cells lie under opaque paint, those of odd cells
+//! are transparent. The only gradients are those of the masks, one for each odd column and row; the cells are plain
+//! rectangles in a packed stream.
 
 use super::PreparedBackground;
 use super::content::ContentStream;
-use super::file::{File, Ref};
+use super::file::File;
 use super::paint::{set_gradient, set_mask};
-use std::io::Result;
+use pdf_writer::Ref;
 use vtex_base::geometry::{Affine, Rect};
 use vtex_base::raster::colour::Colour;
 use vtex_scene::element::Stop;
@@ -22,22 +22,14 @@ use vtex_scene::scene::Gradient;
 const OVERLAP: f64 = 1.0;
 
 /// Paints the background.
-///
-/// # Errors
-/// Those of packing.
-pub(super) fn draw(
-    background: &PreparedBackground,
-    content: &mut ContentStream,
-    file: &mut File,
-) -> Result<()> {
+pub(super) fn draw(background: &PreparedBackground, content: &mut ContentStream, file: &mut File) {
     let lattice = FieldNodes::new(background);
-    let masks = [lattice.mask(file, ShadingAxis::X)?, lattice.mask(file, ShadingAxis::Y)?];
-    lattice.draw_rows(content, file, 0, masks[0])?;
-    let mut odd = ContentStream::default();
-    lattice.draw_rows(&mut odd, file, 1, masks[0])?;
-    let odd = odd.group(file, lattice.bounds())?;
+    let masks = [lattice.mask(file, ShadingAxis::X), lattice.mask(file, ShadingAxis::Y)];
+    lattice.draw_rows(content, file, 0, masks[0]);
+    let mut odd = ContentStream::new();
+    lattice.draw_rows(&mut odd, file, 1, masks[0]);
+    let odd = odd.group(file, lattice.bounds());
     draw_masked(content, file, masks[1], odd);
-    Ok(())
 }
 
 /// Draws a form through a mask.
@@ -104,13 +96,12 @@ impl FieldNodes {
     }
 
     /// Draws every second row: the even ones if `first` is 0, the odd ones if it is 1.
-    fn draw_rows(&self, content: &mut ContentStream, file: &mut File, first: usize, mask: Ref) -> Result<()> {
+    fn draw_rows(&self, content: &mut ContentStream, file: &mut File, first: usize, mask: Ref) {
         self.draw_cells(content, first, 0);
-        let mut odd = ContentStream::default();
+        let mut odd = ContentStream::new();
         self.draw_cells(&mut odd, first, 1);
-        let odd = odd.group(file, self.bounds())?;
+        let odd = odd.group(file, self.bounds());
         draw_masked(content, file, mask, odd);
-        Ok(())
     }
 
     /// Draws every second cell of every second row, beginning with `first_row` and `first`. Successive cells of
@@ -138,7 +129,7 @@ impl FieldNodes {
     }
 
     /// The mask along an axis: white at odd nodes, black at even ones, linear between.
-    fn mask(&self, file: &mut File, axis: ShadingAxis) -> Result<Ref> {
+    fn mask(&self, file: &mut File, axis: ShadingAxis) -> Ref {
         let ([width, height], step) = (self.size(), self.step[axis as usize]);
         // A tent is black at both ends and white in the middle. One form, moved, draws all tents; the last may
         // end beyond the canvas.
@@ -149,11 +140,11 @@ impl FieldNodes {
         let [black, white] = [0, 255].map(|light| Colour([light; 3]));
         let mut gradient = Gradient::linear([0.0; 2], direction.map(|v| v * 2.0 * step), [black; 2]);
         gradient.between = vec![Stop { offset: 0.5, colour: white, opacity: 1.0 }];
-        let mut tent = ContentStream::default();
-        set_gradient(&mut tent, file, &gradient, bounds)?;
+        let mut tent = ContentStream::new();
+        set_gradient(&mut tent, file, &gradient, bounds);
         tent.fill_rectangle(bounds);
-        let tent = tent.form(file, bounds)?;
-        let mut content = ContentStream::default();
+        let tent = tent.form(file, bounds);
+        let mut content = ContentStream::new();
         for node in (1..=self.last(axis)).step_by(2) {
             let from = (node - 1) as f64 * step;
             content.within(|c| {

@@ -18,13 +18,13 @@ mod content;
 mod file;
 mod paint;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 mod textons;
 
 use super::background::PreparedBackground;
-use content::ContentStream;
-use file::{File, Ref};
-use std::fmt::Write as _;
+use content::{ContentStream, rounded};
+use file::File;
+use pdf_writer::{Finish, Name, Ref, TextStr};
 use std::io::{self, Write};
 use textons::PdfTextons;
 use vtex_base::geometry::{Affine, Outline, Rect, Vec2};
@@ -41,16 +41,16 @@ const LARGEST_PAGE: f64 = 14_400.0;
 /// A scene that breaks its invariants; a failing writer.
 pub fn write(scene: &Scene, mut out: impl Write) -> io::Result<u64> {
     scene.check()?;
-    let bytes = document(scene)?;
+    let bytes = document(scene);
     out.write_all(&bytes)?;
     out.flush()?;
     Ok(bytes.len() as u64)
 }
 
 /// The whole file.
-fn document(scene: &Scene) -> io::Result<Vec<u8>> {
-    let mut file = File::default();
-    let mut page = ContentStream::default();
+fn document(scene: &Scene) -> Vec<u8> {
+    let mut file = File::new();
+    let mut page = ContentStream::new();
     let points = match scene.page {
         Some(page) => page.map(Length::points),
         None => scene.css_size().map(|side| side * POINTS / f64::from(CSS_DPI)),
@@ -61,43 +61,47 @@ fn document(scene: &Scene) -> io::Result<Vec<u8>> {
     let [x, y] = [size[0] / f64::from(scene.width), size[1] / f64::from(scene.height)];
     // Not within `q` and `Q`, because there Inkscape 1.2 ignores it for gradients in forms.
     page.transform(Affine::new([x, 0.0, 0.0, -y, 0.0, size[1]]));
-    let groups = draw(scene, &mut page, &mut file)?;
+    let groups = draw(scene, &mut page, &mut file);
 
-    let all: Vec<String> = groups.iter().map(Ref::to_string).collect();
-    // Viewers list the topmost layer first.
-    let order: Vec<String> = groups.iter().rev().map(Ref::to_string).collect();
-    let properties: String = groups.iter().enumerate().map(|(k, group)| format!("/l{k} {group} ")).collect();
-    let mut bounds = String::new();
-    content::numbers(&mut bounds, size, 4);
-    let unit = if unit > 1.0 { format!("/UserUnit {unit}") } else { String::new() };
-    let pages = file.reserve();
     let content = page.page(&mut file);
-    let resources = page.resources(&format!("/Properties <<{}>>", properties.trim_end()));
-    let page = file.add(format!(
-        "<</Type /Page/Parent {pages}/MediaBox [0 0 {}]{unit}{resources}/Contents {content}>>",
-        bounds.trim_end()
-    ));
-    file.put(pages, format!("<</Type /Pages/Kids [{page}]/Count 1>>"));
-    let catalog = file.add(format!(
-        "<</Type /Catalog/Pages {pages}/OCProperties <</OCGs [{}]/D <</Order [{}]>>>>>>",
-        all.join(" "),
-        order.join(" ")
-    ));
-    let mut information = format!(
-        "<</Title {}/Creator (vtex)/Producer {}",
-        file::text(&super::title(scene)),
-        file::text(vtex_base::PROGRAM)
-    );
-    if let Some(parameters) = &scene.parameters {
-        let _ = write!(information, "/Subject (Seed {})", parameters.seed);
+    let [catalog, pages, leaf, information] = std::array::from_fn(|_| file.reserve());
+    let mut out = file.pdf.catalog(catalog);
+    out.pages(pages);
+    let mut layers = out.insert(Name(b"OCProperties")).dict();
+    layers.insert(Name(b"OCGs")).array().items(groups.iter().copied());
+    // Viewers list the topmost layer first.
+    layers.insert(Name(b"D")).dict().insert(Name(b"Order")).array().items(groups.iter().rev().copied());
+    layers.finish();
+    out.finish();
+    file.pdf.pages(pages).kids([leaf]).count(1);
+    let [width, height] = rounded(size, 4);
+    let mut out = file.pdf.page(leaf);
+    out.parent(pages).media_box(pdf_writer::Rect::new(0.0, 0.0, width, height));
+    if unit > 1.0 {
+        out.user_unit(unit as f32);
     }
-    let information = file.add(information + ">>");
-    Ok(file.finish(catalog, information))
+    out.contents(content);
+    let mut resources = out.resources();
+    let mut properties = resources.insert(Name(b"Properties")).dict();
+    for (k, group) in groups.iter().enumerate() {
+        properties.pair(Name(format!("l{k}").as_bytes()), *group);
+    }
+    properties.finish();
+    page.resources(resources);
+    out.finish();
+    let mut out = file.pdf.document_info(information);
+    out.title(TextStr(&super::title(scene)));
+    out.creator(TextStr("vtex")).producer(TextStr(vtex_base::PROGRAM));
+    if let Some(parameters) = &scene.parameters {
+        out.subject(TextStr(&format!("Seed {}", parameters.seed)));
+    }
+    out.finish();
+    file.finish()
 }
 
 /// Draws the layers; those that a domain clips are drawn inside its outline. Returns the group of each drawn
 /// layer.
-fn draw(scene: &Scene, page: &mut ContentStream, file: &mut File) -> io::Result<Vec<Ref>> {
+fn draw(scene: &Scene, page: &mut ContentStream, file: &mut File) -> Vec<Ref> {
     let mut textons = PdfTextons::new(scene);
     // Through an empty domain nothing is visible; elements that extend beyond a domain lie outside of it.
     let domain = scene.domain.as_ref().map(|d| &d.outline).filter(|outline| !is_empty(outline));
@@ -112,32 +116,32 @@ fn draw(scene: &Scene, page: &mut ContentStream, file: &mut File) -> io::Result<
                 clip(scene, outline, page);
             }
             for layer in run {
-                let form = form_of(scene, layer, &mut textons, file)?;
+                let form = form_of(scene, layer, &mut textons, file);
                 page.draw_optional(form, groups.len());
-                let name = file::text(&super::label(&layer.name));
                 // Layers of one name are groups of their own.
                 let group = file.reserve();
-                file.put(group, format!("<</Type /OCG/Name {name}>>"));
+                let mut out = file.pdf.indirect(group).dict();
+                out.pair(Name(b"Type"), Name(b"OCG"));
+                out.pair(Name(b"Name"), TextStr(&super::label(&layer.name)));
                 groups.push(group);
             }
-            Ok::<(), io::Error>(())
-        })?;
+        });
     }
-    Ok(groups)
+    groups
 }
 
 /// A layer as a form.
-fn form_of(scene: &Scene, layer: &Layer, textons: &mut PdfTextons<'_>, file: &mut File) -> io::Result<Ref> {
-    let mut content = ContentStream::default();
+fn form_of(scene: &Scene, layer: &Layer, textons: &mut PdfTextons<'_>, file: &mut File) -> Ref {
+    let mut content = ContentStream::new();
     // An empty region shows nothing.
     if layer.region.as_ref().is_none_or(|outline| !is_empty(outline)) {
         if let Some(outline) = &layer.region {
             clip(scene, outline, &mut content);
         }
         if let Some(field) = &layer.field {
-            background::draw(&PreparedBackground::new(scene, field), &mut content, file)?;
+            background::draw(&PreparedBackground::new(scene, field), &mut content, file);
         }
-        textons.draw(&layer.instances, &mut content, file)?;
+        textons.draw(&layer.instances, &mut content, file);
     }
     content.form(file, Rect::new(0.0, 0.0, f64::from(scene.width), f64::from(scene.height)))
 }

@@ -1,12 +1,12 @@
 //! Textons in PDF: defined once and drawn often, or written in place.
 
 use super::content::ContentStream;
-use super::file::{File, Ref};
+use super::file::File;
 use super::paint::{set_gradient, set_line_opacity, set_opacity};
 use super::{is_empty, is_seen};
 use crate::shadow::{self, Shadows};
+use pdf_writer::Ref;
 use std::collections::BTreeMap;
-use std::io::Result;
 use vtex_base::geometry::{Affine, Outline, Rect, Vec2};
 use vtex_base::raster::colour::Colour;
 use vtex_scene::element::{Ellipse, Profile};
@@ -35,17 +35,17 @@ struct BrushForms(BTreeMap<(Profile, Colour), Ref>);
 
 impl BrushForms {
     /// The unit disc in one colour.
-    fn form(&mut self, profile: Profile, colour: Colour, file: &mut File) -> Result<Ref> {
+    fn form(&mut self, profile: Profile, colour: Colour, file: &mut File) -> Ref {
         if let Some(form) = self.0.get(&(profile, colour)) {
-            return Ok(*form);
+            return *form;
         }
         let bounds = Rect::new(-1.0, -1.0, 1.0, 1.0);
-        let mut content = ContentStream::default();
-        set_gradient(&mut content, file, &profile.brush(colour), bounds)?;
+        let mut content = ContentStream::new();
+        set_gradient(&mut content, file, &profile.brush(colour), bounds);
         content.fill_rectangle(bounds);
-        let form = content.form(file, bounds)?;
+        let form = content.form(file, bounds);
         self.0.insert((profile, colour), form);
-        Ok(form)
+        form
     }
 }
 
@@ -79,15 +79,7 @@ impl<'a> PdfTextons<'a> {
     }
 
     /// Draws a layer.
-    ///
-    /// # Errors
-    /// Those of packing.
-    pub(super) fn draw(
-        &mut self,
-        instances: &[Instance],
-        content: &mut ContentStream,
-        file: &mut File,
-    ) -> Result<()> {
+    pub(super) fn draw(&mut self, instances: &[Instance], content: &mut ContentStream, file: &mut File) {
         let places = |instance| self.places(instance).map(move |(height, affine)| (height, instance, affine));
         let mut painted: Vec<(i64, &Instance, Affine)> = instances.iter().flat_map(places).collect();
         if self.scene.is_stacked() {
@@ -103,67 +95,60 @@ impl<'a> PdfTextons<'a> {
                     || has_gradient(element, instance.colour));
             for &(_, _, affine) in of_one {
                 if let Some(shadow) = &instance.shadow {
-                    let form = self.shadow(instance, shadow, file)?;
+                    let form = self.shadow(instance, shadow, file);
                     content.within(|c| {
                         c.transform(affine.then_translate(shadow.shift()));
                         c.draw(form);
                     });
                 }
-                let form = if shared { Some(self.form(key, element, file)?) } else { None };
-                content.within(|c| -> Result<()> {
+                let form = if shared { Some(self.form(key, element, file)) } else { None };
+                content.within(|c| {
                     c.transform(affine);
                     match form {
                         Some(form) => c.draw(form),
                         // Written in its own coordinates, whose numbers are short.
-                        None => paint(element, instance.colour, c, file, &mut self.brushes)?,
+                        None => paint(element, instance.colour, c, file, &mut self.brushes),
                     }
                     if let Some(stroke) = instance.stroke {
                         c.stroke(element.outline(), stroke.colour, stroke.width);
                     }
-                    Ok(())
-                })?;
+                });
             }
         }
-        Ok(())
     }
 
     /// A texton that is defined once, in one colour.
-    fn form(&mut self, key: (ElementId, Option<Colour>), element: &Element, file: &mut File) -> Result<Ref> {
+    fn form(&mut self, key: (ElementId, Option<Colour>), element: &Element, file: &mut File) -> Ref {
         if let Some(form) = self.defined.get(&key) {
-            return Ok(*form);
+            return *form;
         }
-        let mut content = ContentStream::default();
-        paint(element, key.1, &mut content, file, &mut self.brushes)?;
+        let mut content = ContentStream::new();
+        paint(element, key.1, &mut content, file, &mut self.brushes);
         let bounds =
             union(element.shapes.iter().filter(|shape| !shape.is_soft()).map(|shape| &shape.outline));
         let beyond = element.base().rim.as_ref().map_or(0.0, |rim| rim.width / 2.0);
         let bounds = bounds.inflate(beyond, beyond);
-        let form = content.form(file, bounds)?;
+        let form = content.form(file, bounds);
         self.defined.insert(key, form);
-        Ok(form)
+        form
     }
 
     /// A shadow, which is defined once.
-    fn shadow(
-        &mut self,
-        instance: &Instance,
-        shadow: &vtex_scene::scene::Shadow,
-        file: &mut File,
-    ) -> Result<Ref> {
+    fn shadow(&mut self, instance: &Instance, shadow: &vtex_scene::scene::Shadow, file: &mut File) -> Ref {
         let key = shadow::key(instance, shadow);
         if let Some(form) = self.defined_shadows.get(&key) {
-            return Ok(*form);
+            return *form;
         }
         let layers = self.shadows.of(instance, shadow);
-        let mut content = ContentStream::default();
+        let mut content = ContentStream::new();
         content.fill_with(Colour([0; 3]));
         for layer in layers.iter().filter(|layer| !is_empty(&layer.outline)) {
             set_opacity(&mut content, file, layer.opacity);
             content.fill(&layer.outline);
         }
-        let form = content.form(file, union(layers.iter().map(|layer| &layer.outline)))?;
+        let form = content.form(file, union(layers.iter().map(|layer| &layer.outline)));
         self.defined_shadows.insert(key, form);
-        Ok(form)
+        form
     }
 }
 
@@ -190,7 +175,7 @@ fn paint(
     content: &mut ContentStream,
     file: &mut File,
     brushes: &mut BrushForms,
-) -> Result<()> {
+) {
     if let Some((ellipse, colour)) = element.spot(colour) {
         return paint_softly(ellipse, (colour, element.base().opacity), content, file, brushes);
     }
@@ -199,13 +184,12 @@ fn paint(
     let seen: Vec<_> = seen.collect();
     for run in seen.chunk_by(|a, b| a.1.is_soft() == b.1.is_soft()) {
         if run[0].1.is_soft() {
-            content.within(|c| -> Result<()> {
+            content.within(|c| {
                 c.clip(&element.base().outline, &[Vec2::ZERO]);
-                run.iter().try_for_each(|(_, shape)| match &shape.ellipse {
-                    Some(ellipse) => paint_softly(ellipse, (shape.colour, shape.opacity), c, file, brushes),
-                    None => Ok(()),
-                })
-            })?;
+                for (shape, ellipse) in run.iter().filter_map(|(_, s)| Some((s, s.ellipse.as_ref()?))) {
+                    paint_softly(ellipse, (shape.colour, shape.opacity), c, file, brushes);
+                }
+            });
             continue;
         }
         for &(i, shape) in run {
@@ -220,17 +204,16 @@ fn paint(
                 content.fill(&shape.outline);
                 continue;
             }
-            content.within(|c| -> Result<()> {
+            content.within(|c| {
                 if shape.opacity != 1.0 {
                     set_opacity(c, file, shape.opacity);
                 }
                 match gradient {
-                    Some(gradient) => set_gradient(c, file, gradient, shape.outline.bounds())?,
+                    Some(gradient) => set_gradient(c, file, gradient, shape.outline.bounds()),
                     None => c.fill_with(flat),
                 }
                 c.fill(&shape.outline);
-                Ok(())
-            })?;
+            });
         }
     }
     if let Some(rim) = element.base().rim.as_ref().filter(|_| !is_empty(&element.base().outline)) {
@@ -241,7 +224,6 @@ fn paint(
             });
         }
     }
-    Ok(())
 }
 
 /// A soft ellipse of one colour and opacity.
@@ -251,8 +233,8 @@ fn paint_softly(
     content: &mut ContentStream,
     file: &mut File,
     brushes: &mut BrushForms,
-) -> Result<()> {
-    let form = brushes.form(ellipse.profile, colour, file)?;
+) {
+    let form = brushes.form(ellipse.profile, colour, file);
     content.within(|c| {
         if opacity != 1.0 {
             set_opacity(c, file, opacity);
@@ -260,5 +242,4 @@ fn paint_softly(
         c.transform(ellipse.map());
         c.draw(form);
     });
-    Ok(())
 }
