@@ -28,6 +28,11 @@ use vtex_scene::scene::{Ablation, LibraryId, Method, SynthParams};
 const MOST: f64 = 10_000.0;
 const LARGEST: f64 = 0.5;
 
+/// Most elements that an element may overlap on average, by their bounds, and the number of elements that are looked at.
+/// The work grows with the square of the first.
+const MOST_OVERLAPPED: usize = 150;
+const LOOKED_AT: usize = 200;
+
 /// Distance beyond a page up to which what the page cuts is looked at, in sides of the page.
 const BESIDE: f64 = 0.1;
 
@@ -55,6 +60,11 @@ impl PlacementMethod for Clustered {
         }
         if clipped == library.primaries().len() && clipped > 0 {
             return Err(refused("for a drawing with elements that its border does not cut"));
+        }
+        if overlapped(library.primaries()) > MOST_OVERLAPPED {
+            return Err(refused(
+                "for a drawing whose elements overlap few others; most of this one overlap hundreds",
+            ));
         }
         let units = MotifUnits::new(library);
         let drawing = ClusteredDrawing::new(units.as_ref().map_or(library, |u| &u.library));
@@ -137,6 +147,15 @@ pub(super) fn suits(plan: &Plan<'_>) -> bool {
     let is_small = |b: Rect| b.width() <= LARGEST * w && b.height() <= LARGEST * h;
     let are_small = |e: &ExemplarElement| e.clipped || is_small(element::bounds(&e.shapes));
     !library.arrangement.periodic && are_few && library.primaries().iter().all(are_small)
+}
+
+/// How many others an element overlaps on average, by their bounds.
+fn overlapped(elements: &[ExemplarElement]) -> usize {
+    let bounds: Vec<Rect> = elements.iter().map(|e| element::bounds(&e.shapes)).collect();
+    let step = bounds.len().div_ceil(LOOKED_AT).max(1);
+    let some: Vec<&Rect> = bounds.iter().step_by(step).collect();
+    let overlaps = |one: &&Rect| bounds.iter().filter(|other| other.overlaps(**one)).count();
+    some.iter().map(overlaps).sum::<usize>() / some.len().max(1)
 }
 
 /// Sums over all levels.
