@@ -304,6 +304,11 @@ fn orders_sort_the_selected_in_their_layers() {
     ));
     assert_eq!(some.primary()[..40], scene().primary()[..40]);
     assert!(some.primary()[40..].windows(2).all(|w| w[0].transform[4] <= w[1].transform[4]));
+    // Where copies are stacked, what is painted later stays higher.
+    let mut stacked = scene();
+    stacked.instances_mut().zip(0..).for_each(|(instance, height)| instance.height = height);
+    let (sorted, _) = edited(&stacked, &[Action::Order { by: OrderBy::Y, reverse: false }.into()]);
+    assert!(sorted.instances().map(|i| i.height).eq(0..300) && ys(&sorted) == ys(&rising));
     let random = |seed| {
         let operation = [Action::Order { by: OrderBy::Random, reverse: false }.into()];
         apply(scene(), &operation, &Files::default(), Some(seed)).unwrap().0

@@ -18,7 +18,10 @@ pub(super) fn order(scene: &mut Scene, chosen: &Chosen, by: OrderBy, reverse: bo
             if reverse { rising.reverse() } else { rising }
         });
         let new: Vec<Instance> = sorted.iter().map(|&i| layer.instances[i].clone()).collect();
-        places.iter().zip(new).for_each(|(&i, instance)| layer.instances[i] = instance);
+        for (&i, instance) in places.iter().zip(new) {
+            // The height is that of the place in the order.
+            layer.instances[i] = Instance { height: layer.instances[i].height, ..instance };
+        }
         first += layer.instances.len();
     }
 }

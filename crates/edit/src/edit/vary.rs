@@ -8,7 +8,7 @@ use super::uncovering::uncovering;
 use vtex_base::geometry::Lower;
 use vtex_base::raster::oklab_map::OklabMap;
 use vtex_scene::element::Gaussian;
-use vtex_scene::scene::{Repaint, Scene, Within};
+use vtex_scene::scene::{Instance, Repaint, Scene, Within};
 
 /// Scales the deviation of each texton's colours from the mean of its group.
 pub(super) fn colours(scene: &mut Scene, chosen: &Chosen, factor: &Amount<'_>, within: Within) {
@@ -79,7 +79,12 @@ pub(super) fn shapes(scene: &mut Scene, chosen: &Chosen, factor: &Amount<'_>, wi
         first = own.end;
         let order = uncovering(&gaussians[own.clone()], &targets[own], periods);
         if !order.is_sorted() {
-            layer.instances = order.into_iter().map(|i| layer.instances[i].clone()).collect();
+            let places = order.into_iter().zip(&layer.instances);
+            let moved = |(i, place): (usize, &Instance)| Instance {
+                height: place.height,
+                ..layer.instances[i].clone()
+            };
+            layer.instances = places.map(moved).collect();
         }
     }
     thin
