@@ -78,10 +78,11 @@ def _colour(value: object, role: str) -> str:
 
 def _colour_or_picture(value: Any, role: str, files: _Files) -> str:
     # Text is a colour if it names one, else the path of a picture.
-    is_path = isinstance(value, str) and _vtex.colour(value) is None and _inputs.names_file(value)
-    if is_path or not isinstance(value, (str, tuple, list)):
-        return files.add(value, role)
-    return _colour(value, role)
+    if isinstance(value, str):
+        is_colour = _vtex.colour(value) is not None or not _inputs.names_file(value)
+    else:
+        is_colour = isinstance(value, (tuple, list))
+    return _colour(value, role) if is_colour else files.add(value, role)
 
 
 #: How a value is read, by the declared type of its field. The program checks ranges.
@@ -98,10 +99,10 @@ _READERS: dict[str, Callable[[Any, str, _Files], Any]] = {
 def _read(value: Any, field: Field[Any], files: _Files) -> Any:
     declared = str(field.type)
     kind = declared.removesuffix(" | None")
-    is_optional = kind != declared
-    if (value is None and is_optional) or kind not in _READERS:
-        return value
-    return _READERS[kind](value, field.name, files)
+    if value is None and kind != declared:
+        return None
+    read = _READERS.get(kind)
+    return read(value, field.name, files) if read else value
 
 
 _SHARED = """layer : str, optional

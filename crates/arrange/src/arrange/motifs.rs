@@ -53,7 +53,7 @@ pub(crate) struct PaintingOrder {
 }
 
 impl PaintingOrder {
-    /// That of the copy so many periods further along.
+    /// The order of a copy that lies this number of periods to the right and below.
     pub(crate) fn of_copy(self, source: &Source, periods: [i32; 2]) -> Self {
         let [x, y] = [0, 1].map(|k| source.stacking[k].saturating_mul(periods[k]));
         Self { later: self.later.saturating_add(x).saturating_add(y), ..self }

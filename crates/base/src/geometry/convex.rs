@@ -13,15 +13,6 @@ impl ConvexPolygon {
         Self([(r.x0, r.y0), (r.x1, r.y0), (r.x1, r.y1), (r.x0, r.y1)].map(Point::from).to_vec())
     }
 
-    /// The polygon of four corners in order around it; `None` if it is flat.
-    pub fn of_corners(corners: [Point; 4]) -> Option<Self> {
-        let mut path = BezPath::new();
-        path.move_to(corners[0]);
-        corners[1..].iter().for_each(|corner| path.line_to(*corner));
-        path.close_path();
-        Self::of_path(&path)
-    }
-
     /// The polygon that a path draws; `None` unless it is one convex polygon of at most 32 corners.
     pub fn of_path(path: &BezPath) -> Option<Self> {
         let segments: Vec<PathSeg> = path.segments().collect();

@@ -2,8 +2,9 @@
 
 use super::read::bezier;
 use crate::svg_tree::{affine, within};
+use kurbo::Shape as _;
 use resvg::usvg;
-use vtex_base::geometry::{Affine, ConvexPolygon, Point, Rect};
+use vtex_base::geometry::{Affine, ConvexPolygon, Rect};
 
 /// Most copies of a pattern in a shape.
 const MOST_COPIES: f64 = 10_000.0;
@@ -39,8 +40,7 @@ pub(super) fn copies(
     }
     let copy = |(i, j): (i64, i64)| {
         let map = map * Affine::translate((i as f64 * tile.width(), j as f64 * tile.height()));
-        let corners = [(tile.x0, tile.y0), (tile.x1, tile.y0), (tile.x1, tile.y1), (tile.x0, tile.y1)];
-        Some((map, ConvexPolygon::of_corners(corners.map(|corner| map * Point::from(corner)))?))
+        Some((map, ConvexPolygon::of_path(&(map * tile.to_path(0.1)))?))
     };
     rows.flat_map(|j| columns.clone().map(move |i| (i, j))).map(copy).collect()
 }

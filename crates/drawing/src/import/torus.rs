@@ -63,7 +63,7 @@ impl Torus {
     /// Makes pieces whole. Also returns what was drawn, in painting order, as copies of these.
     pub(super) fn whole(&self, pieces: Vec<DrawingPiece>) -> (Vec<DrawingPiece>, Vec<DrawnCopy>) {
         let drawn: Vec<Rect> = pieces.iter().map(DrawingPiece::bounds).collect();
-        let (mut pieces, repeated, of) = self.once(pieces);
+        let (mut pieces, repeated, of) = self.once(pieces, &drawn);
         let bounds: Vec<Rect> = pieces.iter().map(DrawingPiece::bounds).collect();
         let alone: Vec<usize> =
             (0..pieces.len()).filter(|&k| self.sticks_out(&bounds[k]) && !repeated[k]).collect();
@@ -100,8 +100,11 @@ impl Torus {
 
     /// Leaves out the copies of pieces that are drawn at several borders. Also returns for each remaining
     /// piece whether it had a copy, and for all pieces, of which remaining one they are copies, and where.
-    fn once(&self, pieces: Vec<DrawingPiece>) -> (Vec<DrawingPiece>, Vec<bool>, Vec<(usize, Shift)>) {
-        let bounds: Vec<Rect> = pieces.iter().map(DrawingPiece::bounds).collect();
+    fn once(
+        &self,
+        pieces: Vec<DrawingPiece>,
+        bounds: &[Rect],
+    ) -> (Vec<DrawingPiece>, Vec<bool>, Vec<(usize, Shift)>) {
         let outside: Vec<usize> = (0..pieces.len()).filter(|&i| self.sticks_out(&bounds[i])).collect();
         let mut repeated = vec![false; pieces.len()];
         let mut of: Vec<(usize, Shift)> = (0..pieces.len()).map(|k| (k, [0; 2])).collect();
@@ -109,9 +112,8 @@ impl Torus {
             return (pieces, repeated, of);
         }
         let areas: Vec<f64> = pieces.iter().map(|p| p.parts.iter().map(|q| q.path.area()).sum()).collect();
-        let mut copy = vec![false; pieces.len()];
         for (n, &a) in outside.iter().enumerate() {
-            if copy[a] {
+            if of[a].0 != a {
                 continue;
             }
             for &b in &outside[n + 1..] {
@@ -125,16 +127,18 @@ impl Torus {
                     && off <= self.same
                     && (areas[a] - areas[b]).abs() <= AREA * areas[a].abs().max(self.same * self.same)
                     && same_paint(&pieces[a], &pieces[b]);
-                if alike && !copy[b] {
-                    of[b] = (a, shift);
+                if alike {
+                    repeated[a] = true;
+                    if of[b].0 == b {
+                        of[b] = (a, shift);
+                    }
                 }
-                copy[b] |= alike;
-                repeated[a] |= alike;
             }
         }
-        let places = places_of(&copy.iter().map(|copy| !copy).collect::<Vec<_>>());
+        let is_first: Vec<bool> = of.iter().enumerate().map(|(k, (first, _))| *first == k).collect();
+        let places = places_of(&is_first);
         of.iter_mut().for_each(|(first, _)| *first = places[*first].unwrap_or_default());
-        let kept = pieces.into_iter().zip(repeated).zip(copy).filter(|(_, copy)| !copy);
+        let kept = pieces.into_iter().zip(repeated).zip(is_first).filter(|(_, is_first)| *is_first);
         let (pieces, repeated) = kept.map(|(kept, _)| kept).unzip();
         (pieces, repeated, of)
     }

@@ -86,7 +86,8 @@ impl<'a> OccupiedCanvas<'a> {
         let mask = self.turned.entry(key).or_insert_with(|| {
             let turn = Affine::new([a, b, c, d, 0.0, 0.0]);
             let shapes: Vec<Shape> = own.shapes.iter().map(|s| s.moved(turn)).collect();
-            Arc::new(if is_solid { with_holes(&shapes) } else { pixels::of_shapes(&shapes) })
+            let mask = pixels::of_shapes(&shapes);
+            Arc::new(if is_solid { with_holes(&shapes, &mask) } else { mask })
         });
         (Arc::clone(mask), shift)
     }

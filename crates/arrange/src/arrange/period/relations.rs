@@ -118,9 +118,10 @@ fn mask_of(element: &ExemplarElement) -> Mask {
     if element.clipped { Mask::default() } else { pixels::of_shapes(&element.shapes) }
 }
 
-/// The pixels of shapes and of their holes, also of those that several shapes enclose together.
-pub(super) fn with_holes(shapes: &[Shape]) -> Mask {
-    let between = holes(&pixels::of_shapes(shapes));
+/// The pixels of shapes and of their holes, also of those that several shapes enclose together. `mask` is that of the
+/// shapes.
+pub(super) fn with_holes(shapes: &[Shape], mask: &Mask) -> Mask {
+    let between = holes(mask);
     let rings = shapes.iter().flat_map(|shape| shape.outline.polygons(0.25));
     let filled = rings.filter_map(|ring| Outline::new(&ring_path(&ring)));
     let all = filled.map(|outline| pixels::mask(&outline)).chain(between);
@@ -140,7 +141,8 @@ fn solid(
     on_page.iter().flat_map(Mask::pixels).for_each(|pixel| taken[place(pixel)] = true);
     let numbered: Vec<usize> = (0..masks.len()).collect();
     vtex_base::parallel::map(&numbered, |&k| {
-        let filled = if elements[k].clipped { Mask::default() } else { with_holes(&elements[k].shapes) };
+        let filled =
+            if elements[k].clipped { Mask::default() } else { with_holes(&elements[k].shapes, &masks[k]) };
         let holes = filled.without(&masks[k]);
         let is_solid = !holes.is_empty() && !holes.pixels().any(|pixel| taken[place(pixel)]);
         is_solid.then(|| Arc::new(filled))
