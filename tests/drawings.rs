@@ -398,14 +398,16 @@ fn patterns_in_convex_shapes_are_drawn_copy_by_copy() {
 
 #[test]
 fn what_touches_a_border_does_not_need_a_copy_beyond_it() {
-    let discs = |left: f64| {
+    let discs = |ground: &str, left: f64| {
         let whole = (0..40).map(|k| [12 + k * 37 % 76, 8 + k * 23 % 64]);
         let whole = whole.map(|[x, y]| format!(r#"<circle cx="{x}" cy="{y}" r="1.5"/>"#)).collect::<String>();
         let beside = (0..8).map(|k| format!(r#"<circle cx="{left}" cy="{}" r="3"/>"#, 5 + 9 * k));
-        of(&(whole + &beside.collect::<String>())).arrangement.periodic
+        of(&(ground.to_owned() + &whole + &beside.collect::<String>())).arrangement.periodic
     };
-    assert!(discs(3.0) && discs(2.9), "they stand beside the border");
-    assert!(!discs(0.0), "the border cuts them");
+    assert!(discs("", 3.0) && discs("", 2.9), "they stand beside the border");
+    assert!(!discs("", 0.0), "the border cuts them");
+    let gradient = r##"<linearGradient id="g"><stop stop-color="#fff"/><stop offset="1" stop-color="#789"/></linearGradient><rect width="100" height="80" fill="url(#g)"/>"##;
+    assert!(!discs(gradient, 3.0), "the ground does not go on");
 }
 
 #[test]

@@ -4,6 +4,7 @@
 //! between slanted ones, whose ends are cut across the line. Lines that meet are made longer until both are closed.
 
 use super::pieces::{DrawingPiece, PieceShape};
+use super::torus::PageBorder;
 use kurbo::{ParamCurve, PathSeg};
 use vtex_base::geometry::{BezPath, PathEl, Point, Vec2};
 
@@ -23,8 +24,7 @@ struct LineEnd {
     piece: usize,
     /// Whether it is the last point of the line.
     is_last: bool,
-    /// The axis across the border, and whether that is the far one.
-    border: (usize, bool),
+    border: PageBorder,
     /// Where the line meets the border, along it.
     place: f64,
     /// Unit vector that leads away from the line.
@@ -42,7 +42,7 @@ pub(super) fn close(pieces: &mut [DrawingPiece], size: [f64; 2]) {
     }
     let meet = |a: &LineEnd, b: &LineEnd| {
         let [one, other] = [a, b].map(|end| &pieces[end.piece].parts[0]);
-        let opposite = a.border.0 == b.border.0 && a.border.1 != b.border.1;
+        let opposite = a.border.axis == b.border.axis && a.border.far != b.border.far;
         let alike = one.paint.colour == other.paint.colour && pieces[a.piece].layer == pieces[b.piece].layer;
         let straight = a.outward.dot(b.outward) <= -STRAIGHT;
         opposite && alike && straight && (a.place - b.place).abs() <= APART * a.width
@@ -69,8 +69,8 @@ fn ends(number: usize, piece: &DrawingPiece, size: [f64; 2]) -> Vec<LineEnd> {
     let end = |(at, inner, is_last): (Point, Point, bool)| {
         let outward = at - inner;
         let outward = outward / outward.hypot();
-        let of_border = |border: (usize, bool)| {
-            let (axis, far) = border;
+        let of_border = |border: PageBorder| {
+            let PageBorder { axis, far } = border;
             let (at_axis, along_axis) = ([at.x, at.y][axis], [outward.x, outward.y][axis]);
             let (gap, cosine) = if far { (size[axis] - at_axis, along_axis) } else { (at_axis, -along_axis) };
             if !(-SHORT * width..=SHORT * width).contains(&gap) || cosine < OUTWARD {
@@ -83,7 +83,9 @@ fn ends(number: usize, piece: &DrawingPiece, size: [f64; 2]) -> Vec<LineEnd> {
             let place = [meets.y, meets.x][axis];
             Some(LineEnd { piece: number, is_last, border, place, outward, extension, width })
         };
-        [(0, false), (0, true), (1, false), (1, true)].into_iter().find_map(of_border)
+        let mut borders =
+            [0, 1].into_iter().flat_map(|axis| [false, true].map(|far| PageBorder { axis, far }));
+        borders.find_map(of_border)
     };
     let near = 1e-4;
     let both = [(first.eval(0.0), first.eval(near), false), (last.eval(1.0), last.eval(1.0 - near), true)];

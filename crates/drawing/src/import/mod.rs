@@ -1,9 +1,10 @@
 //! Drawing → library: an SVG read as elements in layers.
 //!
 //! The stages, in order: lines of a picture as an SVG ([`line_art`]), shapes of the page ([`read`]), connected
-//! pieces of compound paths ([`pieces`]), pieces made whole across the borders of a periodic page ([`torus`]),
+//! pieces of compound paths ([`pieces`]), pieces made whole across the borders of a periodic page ([`torus`], [`joints`]),
 //! contacts of pieces (`vtex_base::raster::contact`), division of pieces into elements ([`elements`]), elements
-//! that belong together ([`motifs`]), and the library of it ([`assemble`]).
+//! that belong together ([`motifs`]), and the library of it ([`assemble`]), with how copies of the page overlap
+//! ([`stacking`]). [`patterns`] unfolds pattern fills.
 //!
 //! A library has the units of the drawing's page. Its maps have a whole number of pixels for each of them, so
 //! that the shorter side of the page has at least 200 px and the median piece at least eight cells of the
@@ -116,7 +117,9 @@ pub fn import(bytes: &[u8], name: &str, params: &ImportParams, progress: &dyn Pr
     advance(progress, "drawing", 2, 4)?;
     let (pieces, copies) = if wrap {
         let on_page = pieces.into_iter().filter(|p| !page.is_beside(p)).collect();
-        Torus::new(page.size).whole(on_page)
+        let (mut pieces, copies) = Torus::new(page.size).whole(on_page);
+        joints::close(&mut pieces, page.size);
+        (pieces, copies)
     } else {
         page.count(true);
         (pieces, Vec::new())
@@ -173,14 +176,16 @@ const MOST_BENEATH: usize = 1000;
 /// Number of whole pieces from which on a page is not repeated as a whole.
 const FEWEST: usize = 8;
 
-/// Whether opposite borders join where these cut pieces.
+/// Whether opposite borders join where these cut pieces. Gradients, which would be drawn in their mean colour, tell nothing.
 fn joins_where_cut(
     page: &DrawingPage,
     (background, pieces): (Colour, &[DrawingPiece]),
     size: [u32; 2],
 ) -> bool {
-    let cut = pieces.iter().filter(|piece| periodic::is_cut(piece, page.size)).cloned();
-    periodic::is_periodic(&picture::drawn(page, background, &cut.collect::<Vec<_>>(), size))
+    let cut: Vec<_> = pieces.iter().filter(|piece| periodic::is_cut(piece, page.size)).collect();
+    let is_plain = |piece: &&DrawingPiece| piece.parts.iter().all(|part| part.paint.gradient.is_none());
+    cut.iter().all(is_plain)
+        && periodic::is_periodic(&picture::drawn(page, background, cut.into_iter(), size))
 }
 
 /// Whether a page whose borders do not join is repeated nevertheless, because too few of its pieces are

@@ -23,7 +23,7 @@ pub(super) fn picture(
     (colour, pieces): (Colour, &[DrawingPiece]),
     size: [u32; 2],
 ) -> Result<RgbImage, SvgFault> {
-    if page.is_incomplete { Ok(drawn(page, colour, pieces, size)) } else { by_resvg(page, size) }
+    if page.is_incomplete { Ok(drawn(page, colour, pieces.iter(), size)) } else { by_resvg(page, size) }
 }
 
 fn by_resvg(page: &DrawingPage, [width, height]: [u32; 2]) -> Result<RgbImage, SvgFault> {
@@ -40,17 +40,17 @@ fn by_resvg(page: &DrawingPage, [width, height]: [u32; 2]) -> Result<RgbImage, S
 }
 
 /// Pieces over a colour, with gradients in their mean colour.
-pub(super) fn drawn(
+pub(super) fn drawn<'a>(
     page: &DrawingPage,
     colour: Colour,
-    pieces: &[DrawingPiece],
+    pieces: impl Iterator<Item = &'a DrawingPiece>,
     [width, height]: [u32; 2],
 ) -> RgbImage {
     let fine = [width, height].map(|v| v * SAMPLES);
     let mut picture = RgbImage::from_pixel(fine[0], fine[1], Rgb(colour.0));
     let [sx, sy] = [0, 1].map(|k| f64::from(fine[k]) / page.size[k]);
     let map = Affine::scale_non_uniform(sx, sy);
-    pieces.iter().for_each(|piece| draw(&mut picture, piece, map));
+    pieces.for_each(|piece| draw(&mut picture, piece, map));
     let count = SAMPLES * SAMPLES;
     RgbImage::from_fn(width, height, |x, y| {
         let samples = (0..count).map(|k| (SAMPLES * x + k % SAMPLES, SAMPLES * y + k / SAMPLES));

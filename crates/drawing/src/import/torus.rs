@@ -4,7 +4,6 @@
 //! borders, and their ends are linked to the ends at the same place of the opposite border.
 
 use super::clip::page;
-use super::joints;
 use super::lines::Lines;
 use super::offsets::{Offsets, Shift, minus, plus};
 use super::pieces::{DrawingPiece, PieceShape};
@@ -44,9 +43,9 @@ struct Chain {
 
 /// A border of the page: axis across it, and whether it is the far one.
 #[derive(Clone, Copy, PartialEq, Eq)]
-struct PageBorder {
-    axis: usize,
-    far: bool,
+pub(super) struct PageBorder {
+    pub(super) axis: usize,
+    pub(super) far: bool,
 }
 
 impl Torus {
@@ -83,8 +82,7 @@ impl Torus {
         let remains: Vec<bool> = pieces.iter().map(|p| !p.parts.is_empty()).collect();
         let remaining = places_of(&remains);
         pieces.retain(|p| !p.parts.is_empty());
-        let (mut whole, parts) = self.stitched(pieces);
-        joints::close(&mut whole, self.size);
+        let (whole, parts) = self.stitched(pieces);
         let copy = |((kept, shift), bounds): ((usize, Shift), Rect)| {
             let (piece, own) = parts[remaining[kept]?];
             Some(DrawnCopy { piece, shift: plus(shift, own), bounds })
