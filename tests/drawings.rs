@@ -397,6 +397,15 @@ fn patterns_in_convex_shapes_are_drawn_copy_by_copy() {
 }
 
 #[test]
+fn a_tangle_is_not_clustered() {
+    let line = |k: i32| format!(r#"<path d="M{} 6L{} 74" stroke="black"/>"#, 5 + k % 20, 70 + k * 7 % 25);
+    let library = of(&(0..300).map(line).collect::<String>());
+    let params = SynthParams { width: 100, height: 80, method: Method::Clustered, ..SynthParams::default() };
+    let error = synthesize(&library, &params, &()).unwrap_err().to_string();
+    assert!(error.contains("whose elements overlap few others"), "{error}");
+}
+
+#[test]
 fn what_touches_a_border_does_not_need_a_copy_beyond_it() {
     let discs = |ground: &str, left: f64| {
         let whole = (0..40).map(|k| [12 + k * 37 % 76, 8 + k * 23 % 64]);
