@@ -409,6 +409,43 @@ async function stopped() {
   await studio.stop();
 }
 
+/** On a telephone every view and tool can be reached, at rest and while it works, and nothing sticks out to the right. */
+async function telephone() {
+  const viewport = { width: 390, height: 844 };
+  const studio = await Studio.start(folder("terrazzo.png"), ["--seed", "3", "terrazzo.png"], { viewport });
+  const { page } = studio;
+  await studio.finished();
+  // The widest that the page becomes, frame by frame, and what sticks out then.
+  await page.evaluate(() => {
+    window.widest = [0, ""];
+    const look = () => {
+      const { scrollWidth } = document.documentElement;
+      if (scrollWidth > window.widest[0]) {
+        const out = [...document.body.querySelectorAll("*")].filter(own => own.getBoundingClientRect().right > innerWidth + 0.5);
+        window.widest = [scrollWidth, out.map(own => `${own.tagName}#${own.id}.${own.className}`).slice(-3).join(" ")];
+      }
+      requestAnimationFrame(look);
+    };
+    look();
+  });
+  for (const name of ["photograph", "elements", "redrawn", "split", "texture"]) await studio.view(name);
+  await page.click("label:has([name=view][value=split])");
+  const box = selector => page.$eval(selector, own => { const { left, top, right, bottom } = own.getBoundingClientRect(); return { left, top, right, bottom }; });
+  const [slider, views, canvas] = [await box("#split"), await box("#views"), await box("#canvas")];
+  assert.ok(slider.left >= 0 && slider.right <= viewport.width, "Split can be moved");
+  assert.ok(views.bottom - views.top <= (canvas.bottom - canvas.top) / 3, "the views leave the picture free");
+  await studio.picture("telephone");
+  await studio.accessible("telephone");
+  await studio.tab("steer");
+  await studio.made(() => page.click("text=New seed"));
+  for (const name of ["steer", "mend", "change", "save"]) {
+    await studio.tab(name);
+    await page.click(`#tab-${name}`);
+  }
+  assert.deepEqual(await page.evaluate(() => window.widest), [viewport.width, ""]);
+  await studio.stop();
+}
+
 /** The pictures of the documentation, by name only: tests/studio/run docs/images documentation */
 async function documentation() {
   const studio = await Studio.start(folder("terrazzo.png"), ["--seed", "3", "terrazzo.png"], { viewport: { width: 1280, height: 800 } });
@@ -434,7 +471,7 @@ async function documentation() {
 try {
   // Parts by name, or all but the pictures of the documentation.
   const named = process.argv.slice(2);
-  const parts = [photograph, others, painted, categories, stopped, documentation];
+  const parts = [photograph, others, painted, categories, stopped, telephone, documentation];
   for (const part of parts.filter(part => named.length ? named.includes(part.name) : part !== documentation)) {
     const began = Date.now();
     await part();

@@ -196,11 +196,12 @@ impl Clustering<'_> {
         near.range(s).take_while(move |&k| length(near.ways[k]) < reach)
     }
 
-    /// The adjacent cluster that a sample gains most by changing to, and the gain in steps, if that is positive.
-    fn best_switch(&self, s: usize) -> Option<(i64, u32)> {
+    /// The adjacent cluster that a sample gains most by changing to, and the gain in steps, if that is positive; and the
+    /// pairs looked at.
+    fn best_switch(&self, s: usize) -> (Option<(i64, u32)>, u64) {
         let own = self.output.cluster[s];
         if self.is_given(own) {
-            return None;
+            return (None, 0);
         }
         let mut others: Vec<u32> = self
             .beside(s)
@@ -209,10 +210,12 @@ impl Clustering<'_> {
             .collect();
         others.sort_unstable();
         others.dedup();
-        let now = if others.is_empty() { return None } else { self.links(s, own) };
+        let now = if others.is_empty() { return (None, 0) } else { self.links(s, own) };
+        let pairs = (others.len() + 1) as u64 * self.votes.near.range(s).len() as u64;
         // Pairs count from both sides.
         let gain = |c: u32| ((2.0 * (now - self.links(s, c)) * STEPS) as i64, c);
-        others.into_iter().map(gain).filter(|g| g.0 > 0).max_by_key(|g| (g.0, Reverse(g.1)))
+        let gains = others.into_iter().map(gain).filter(|g| g.0 > 0);
+        (gains.max_by_key(|g| (g.0, Reverse(g.1))), pairs)
     }
 
     /// Samples change clusters by link energy alone.
@@ -223,7 +226,9 @@ impl Clustering<'_> {
         let mut stamp = vec![0u32; count];
         let mut queue: BinaryHeap<(i64, Reverse<usize>, u32, u32)> = BinaryHeap::new();
         queue.extend(
-            all.iter().zip(first).filter_map(|(&s, best)| best.map(|(gain, c)| (gain, Reverse(s), c, 0))),
+            all.iter()
+                .zip(first)
+                .filter_map(|(&s, (best, _))| best.map(|(gain, c)| (gain, Reverse(s), c, 0))),
         );
         let mut done = 0;
         while let Some((_, Reverse(s), cluster, at)) = queue.pop() {
@@ -244,8 +249,9 @@ impl Clustering<'_> {
             let changed = self.votes.near.range(s).map(|k| self.votes.near.ids[k] as usize).chain([s]);
             for other in changed.collect::<Vec<_>>() {
                 stamp[other] += 1;
-                self.work.steps += self.votes.near.range(other).len() as u64;
-                if let Some((gain, c)) = self.best_switch(other) {
+                let (best, pairs) = self.best_switch(other);
+                self.work.steps += pairs;
+                if let Some((gain, c)) = best {
                     queue.push((gain, Reverse(other), c, stamp[other]));
                 }
             }
@@ -274,6 +280,8 @@ impl Clustering<'_> {
     /// The gain of merging two adjacent clusters in steps, if it is positive.
     fn merge_gain(&mut self, a: u32, b: u32, go_on: &dyn Fn() -> Result<()>) -> Result<Option<i64>> {
         let (sum, adjacent) = self.between(a, b);
+        let looked_at = self.members[a as usize].len().min(self.members[b as usize].len());
+        self.work.steps += (looked_at * self.votes.near.ids.len() / self.output.len().max(1)) as u64;
         let parts = self.shape[a as usize] + self.shape[b as usize];
         // No shape is better than a perfect one.
         let most = parts - 4.0 * sum / SHAPE_WEIGHT;

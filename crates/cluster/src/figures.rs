@@ -1,7 +1,7 @@
 //! Elements as the optimiser knows them, and their samples.
 
 use vtex_base::geometry::plane::{PeriodicPlane, length};
-use vtex_base::geometry::{Affine, Interior, Outline, Rect, edges};
+use vtex_base::geometry::{Affine, ConvexPolygon, Interior, Outline, Rect, edges};
 use vtex_base::sampling::stream;
 
 /// The shape of an element. Elements that are equal up to their place share one.
@@ -20,6 +20,21 @@ impl Figure {
     pub(crate) fn scaled(&self, by: f64) -> Self {
         let map = Affine::scale(by);
         Self { outlines: self.outlines.iter().map(|o| o.moved(map)).collect(), ..*self }
+    }
+
+    /// The part of it in a rectangle around its reference point, around the middle of its own bounds, and the way from the
+    /// reference point to that; `None` if nothing is there.
+    pub(crate) fn within(&self, rectangle: Rect) -> Option<(Self, [f64; 2])> {
+        let polygon = ConvexPolygon::rect(rectangle);
+        let parts = self.outlines.iter().filter_map(|o| Outline::new(&polygon.clipped(o.path())));
+        let part = Self { outlines: parts.filter(|o| !o.is_empty()).collect(), ..*self };
+        if part.outlines.is_empty() {
+            return None;
+        }
+        let middle = part.bounds().center();
+        let map = Affine::translate(-middle.to_vec2());
+        let outlines = part.outlines.iter().map(|o| o.moved(map)).collect();
+        Some((Self { outlines, ..part }, [middle.x, middle.y]))
     }
 
     /// Bounds of all that it paints, around its reference point.

@@ -161,12 +161,17 @@ fn arranged(
     }
     let unit = SIDE / (0.5 * (exemplar.page.size[0] + exemplar.page.size[1]));
     let mut own = exemplar.scaled(unit);
-    let drawn = context.map(|context| standing(context, unit, &mut own, go_on)).transpose()?;
     let extent = own.figures.iter().map(|f| {
         let b = f.bounds();
         [b.x0, b.y0, b.x1, b.y1].into_iter().fold(0.0, |m: f64, v| m.max(v.abs()))
     });
     let largest = 2.0 * extent.fold(0.0, f64::max);
+    let around = largest + AROUND * LEVELS[0].radius * SIDE;
+    let beside = context.map(|context| {
+        let window = context.window((params.size, unit), around);
+        standing(context, (unit, window), &mut own, go_on)
+    });
+    let beside = beside.transpose()?;
     // No neighbourhood, no element and none of the elements around one may meet itself across a seam.
     let around_element = 2.1 * PlaceRelations::reach_of_partners(&own);
     let least = (4.2 * LEVELS[0].radius * SIDE).max(1.1 * largest).max(around_element);
@@ -174,10 +179,8 @@ fn arranged(
     let scene = own.repeated(least);
     let mut relations = PlaceRelations::new(&scene, go_on)?;
     go_on()?;
-    if let Some((context, drawn)) = context.zip(drawn) {
-        let around = largest + AROUND * LEVELS[0].radius * SIDE;
-        let on_canvas = (params.size, unit, around);
-        let standing = StandingElements::new(context, drawn, &relations, on_canvas);
+    if let Some((context, (window, drawn))) = context.zip(beside) {
+        let standing = StandingElements::new(window, drawn, &relations, context.source_at(unit).as_ref());
         relations = relations.beside(standing, go_on)?;
     }
     let standing = relations.standing.as_ref();
@@ -192,11 +195,11 @@ fn arranged(
         input.without_context = params.without_context;
         go_on()?;
         let expected = input.len() as f64 * plane.area() / scene.page.area();
-        if expected > MOST_SAMPLES {
+        let output = sampled(&board, &input);
+        if expected.max(output.len() as f64) > MOST_SAMPLES {
             break;
         }
-        let (output, votes, mut report) =
-            level_of(sampled(&board, &input), &input, (params, standing), &mut work, go_on)?;
+        let (output, votes, mut report) = level_of(output, &input, (params, standing), &mut work, go_on)?;
         report.distance = scale.distance / unit;
         let samples = output.points.iter().zip(&output.cluster);
         report.output = samples.map(|(p, &cluster)| ClusterSample { at: shown(*p), cluster }).collect();

@@ -32,7 +32,7 @@ pub(crate) struct ShapeMatch {
 #[derive(Default)]
 pub(crate) struct ClusterWork {
     assignment: DenseAssignment,
-    /// Distances of samples measured for shapes, and pairs of samples looked at for links.
+    /// Distances of samples measured and compared for shapes, and pairs of samples looked at for links.
     pub(crate) steps: u64,
 }
 
@@ -124,15 +124,17 @@ fn compared(
     let way = |a: &[f64; 2], b: &[f64; 2]| [b[0] - a[0], b[1] - a[1]];
     let energy = |sum: f64| sum / (2.0 * distance) + (columns.len() - rows.len()) as f64;
     work.steps += rows.len() as u64 * columns.len() as u64;
-    let work = &mut work.assignment;
     let of: Vec<Option<u32>> = if columns.len() <= DENSE {
-        work.begin(columns.len(), most);
-        let row = |_, r| work.row(columns.iter().map(|c| length(way(r, c))));
+        let ClusterWork { assignment, steps } = work;
+        assignment.begin(columns.len(), most);
+        let row = |_, r| assignment.row(columns.iter().map(|c| length(way(r, c))));
         if energy(rows.iter().fold(0.0, row)) >= limit {
             return None;
         }
-        work.solve();
-        work.of_row().iter().map(|c| (*c != NONE).then_some(*c)).collect()
+        let before = assignment.entries;
+        assignment.solve();
+        *steps += assignment.entries - before;
+        assignment.of_row().iter().map(|c| (*c != NONE).then_some(*c)).collect()
     } else {
         let whole = PeriodicPlane { size: [1.0; 2], wraps: [false; 2] };
         let low = [0, 1].map(|k| columns.iter().map(|p| p[k]).fold(f64::INFINITY, f64::min));

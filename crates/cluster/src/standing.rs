@@ -8,15 +8,18 @@
 use crate::figures::{ClusterExemplar, Figure, FigurePlace};
 use crate::raster::{FigurePixels, pixels};
 use crate::relations::PlaceRelations;
+use std::collections::BTreeSet;
 use vtex_base::error::Result;
 use vtex_base::geometry::plane::{PointIndex, length};
-use vtex_base::geometry::{Affine, Outline, RegionWindow};
+use vtex_base::geometry::{Affine, Outline, Rect, RegionWindow};
 use vtex_base::parallel;
 
 /// Distance from standing elements within which, outside of the region, nothing is made, in spacings.
 const BESIDE: f64 = 1.0;
 /// Distance up to which an element would be the same as one that stands, in spacings.
 const SAME: f64 = 0.3;
+/// Side of a square in which points of elements count as one, in spacings.
+const ONE_SPOT: f64 = 0.02;
 /// Difference up to which a figure is the same as one of the exemplar.
 const ALIKE: f64 = 0.06;
 /// Difference of colours in Oklab that counts as much as that of figures that share nothing.
@@ -40,6 +43,20 @@ pub struct ClusterContext {
     pub source: Option<Outline>,
 }
 
+impl ClusterContext {
+    /// The window that reaches `around` beyond the region on a canvas of a size, `unit` lengths of the optimiser to one of
+    /// the context.
+    pub(crate) fn window(&self, (canvas, unit): ([f64; 2], f64), around: f64) -> RegionWindow {
+        let region = self.region.moved(Affine::scale(unit));
+        RegionWindow::new(&region, canvas.map(|side| side * unit), around)
+    }
+
+    /// The part of the exemplar that is copied, in lengths of the optimiser.
+    pub(crate) fn source_at(&self, unit: f64) -> Option<Outline> {
+        self.source.as_ref().map(|source| source.moved(Affine::scale(unit)))
+    }
+}
+
 /// An element that stands.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StandingElement {
@@ -51,41 +68,66 @@ pub(crate) struct StandingElement {
     pub(crate) at: [f64; 2],
 }
 
-/// The elements of a context, `unit` lengths of the optimiser to one of it. Its figures are added to those of the exemplar,
-/// which has the optimiser's lengths, except for those that look the same as one.
+/// The elements of a context on a window, `unit` lengths of the optimiser to one of it. Figures are added to those of the
+/// exemplar, which has the optimiser's lengths, except for those that look the same as one. Of a figure that reaches
+/// beyond the window its part on the window is an element.
 ///
 /// # Errors
 /// Those of `go_on`.
 pub(crate) fn standing(
     context: &ClusterContext,
-    unit: f64,
+    (unit, window): (f64, RegionWindow),
     exemplar: &mut ClusterExemplar,
     go_on: &dyn Fn() -> Result<()>,
-) -> Result<Vec<StandingElement>> {
+) -> Result<(RegionWindow, Vec<StandingElement>)> {
+    let (own, size) = (exemplar.figures.len(), window.plane.size);
+    // Figures that the exemplar does not have: the context's, each once, and what the window cuts of them.
+    let mut figures: Vec<Figure> = Vec::new();
+    let mut known: Vec<Option<usize>> = vec![None; context.figures.len()];
+    let mut placed: Vec<(usize, [f64; 2])> = Vec::with_capacity(context.places.len());
+    for place in &context.places {
+        let at = [0, 1].map(|k| place.at[k] * unit - window.low[k]);
+        let Some(further) = (place.figure as usize).checked_sub(own) else {
+            placed.push((place.figure as usize, at));
+            continue;
+        };
+        let figure = &context.figures[further];
+        let here = Rect::new(-at[0], -at[1], size[0] - at[0], size[1] - at[1]);
+        if here.contains_rect(figure.bounds().scale_from_origin(unit)) {
+            let number = *known[further].get_or_insert(own + figures.len());
+            if number == own + figures.len() {
+                figures.push(figure.scaled(unit));
+            }
+            placed.push((number, at));
+        } else if let Some((part, by)) = figure.scaled(unit).within(here) {
+            placed.push((own + figures.len(), [at[0] + by[0], at[1] + by[1]]));
+            figures.push(part);
+        }
+    }
+    placed.retain(|(_, at)| window.holds(*at));
     // The number of each figure, and of the exemplar's that is the most like it.
-    let mut numbers: Vec<[u32; 2]> = (0..exemplar.figures.len() as u32).map(|figure| [figure; 2]).collect();
-    if !context.figures.is_empty() {
+    let mut numbers: Vec<[u32; 2]> = (0..own as u32).map(|figure| [figure; 2]).collect();
+    if !figures.is_empty() {
         let looks = parallel::map(&exemplar.figures, FigureLook::of);
-        for some in context.figures.chunks(AT_ONCE) {
+        for some in figures.chunks(AT_ONCE) {
             go_on()?;
-            let some: Vec<Figure> = some.iter().map(|figure| figure.scaled(unit)).collect();
-            let like = parallel::map(&some, |figure| FigureLook::of(figure).most_like(&looks));
-            for (figure, (like, unlike)) in some.into_iter().zip(like) {
+            let like = parallel::map(some, |figure| FigureLook::of(figure).most_like(&looks));
+            for (figure, (like, unlike)) in some.iter().zip(like) {
                 if unlike <= ALIKE {
                     numbers.push([like; 2]);
                     continue;
                 }
                 numbers.push([exemplar.figures.len() as u32, like]);
                 let category = exemplar.figures[like as usize].category;
-                exemplar.figures.push(Figure { category, ..figure });
+                exemplar.figures.push(Figure { category, ..figure.clone() });
             }
         }
     }
-    let of = |place: &FigurePlace| {
-        let [figure, like] = numbers[place.figure as usize];
-        StandingElement { figure, like, at: place.at.map(|v| v * unit) }
+    let of = |(figure, at): (usize, [f64; 2])| {
+        let [figure, like] = numbers[figure];
+        StandingElement { figure, like, at }
     };
-    Ok(context.places.iter().map(of).collect())
+    Ok((window, placed.into_iter().map(of).collect()))
 }
 
 /// What a figure is recognised by.
@@ -137,26 +179,26 @@ pub(crate) struct StandingElements {
 }
 
 impl StandingElements {
-    /// The elements of a context on a canvas of a size, `unit` lengths of the optimiser to one of the exemplar. The window
-    /// reaches `around` beyond the region.
+    /// Elements on a window, and the part of the exemplar of which a copy is laid in the region.
     pub(crate) fn new(
-        context: &ClusterContext,
-        drawn: Vec<StandingElement>,
+        window: RegionWindow,
+        elements: Vec<StandingElement>,
         relations: &PlaceRelations<'_>,
-        (canvas, unit, around): ([f64; 2], f64, f64),
+        source: Option<&Outline>,
     ) -> Self {
-        let scaled = |outline: &Outline| outline.moved(Affine::scale(unit));
-        let window = RegionWindow::new(&scaled(&context.region), canvas.map(|side| side * unit), around);
-        let low = window.low;
-        let moved = |e: StandingElement| StandingElement { at: [e.at[0] - low[0], e.at[1] - low[1]], ..e };
-        let elements: Vec<StandingElement> =
-            drawn.into_iter().map(moved).filter(|e| window.holds(e.at)).collect();
         let middles: Vec<[f64; 2]> = elements.iter().map(|e| e.at).collect();
-        let mut spots = Vec::new();
-        for e in &elements {
-            spots.extend(relations.spots_of(e.figure).iter().map(|s| [e.at[0] + s[0], e.at[1] + s[1]]));
-        }
         let spacing = relations.spacing;
+        let mut spots: Vec<[f64; 2]> = Vec::new();
+        // Of elements over one another, points at the same places once.
+        let mut known = BTreeSet::new();
+        for e in &elements {
+            for s in relations.spots_of(e.figure) {
+                let at = [e.at[0] + s[0], e.at[1] + s[1]];
+                if known.insert(at.map(|v| libm::floor(v / (ONE_SPOT * spacing)) as i64)) {
+                    spots.push(at);
+                }
+            }
+        }
         let mut made = Self {
             elements,
             middles: PointIndex::new(window.plane, spacing, &middles),
@@ -164,7 +206,7 @@ impl StandingElements {
             spacing,
             free_area: 0.0,
             inside_area: 0.0,
-            copied: context.source.as_ref().map(|source| window.way_to(&scaled(source))),
+            copied: source.map(|source| window.way_to(source)),
             window,
         };
         let step = GRID * spacing;

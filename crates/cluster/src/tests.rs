@@ -550,6 +550,24 @@ fn figures_that_the_exemplar_does_not_have_are_kept_clear() {
     }
 }
 
+#[test]
+fn of_what_reaches_far_beyond_the_window_only_the_part_there_counts() {
+    let exemplar = loose();
+    let (mut context, wanted) = with_hole(&exemplar);
+    let own = exemplar.figures.len() + context.figures.len();
+    // A bar across the region, two thousand times as long, whose reference point is far away; and one far beside it.
+    context.figures.push(figure("M-1 -8H700000V8H-1Z", 0));
+    let bar = FigurePlace { figure: own as u32, at: [-350_000.0, 500.0], placeable: true };
+    context.places.extend([bar, FigurePlace { at: [-350_000.0, 90_000.0], ..bar }]);
+    let made = cluster_beside(&exemplar, &context, &params(1000.0, false), &|| Ok(())).unwrap();
+    assert!(made.elements.len() > 3 && made.elements.len() < wanted.len());
+    for e in &made.elements {
+        let bounds = exemplar.figures[exemplar.places[e.place].figure as usize].bounds();
+        let [above, below] = [e.at[1] + bounds.y1, e.at[1] + bounds.y0];
+        assert!(above < 493.0 || below > 507.0, "{e:?}");
+    }
+}
+
 /// Discs and bars on a page that ends, most of the bars near its border, where blocks seldom come from.
 fn uneven() -> ClusterExemplar {
     let mut exemplar = loose();

@@ -6,11 +6,14 @@
 
 use crate::graph::{CurveEdge, CurveGraph, ElementNode};
 use vtex_base::disjoint_sets::DisjointSets;
-use vtex_base::error::Result;
+use vtex_base::error::{Error, Large, Result};
 use vtex_base::geometry::plane::{PeriodicPlane, PointIndex, along, length};
 
 /// Most steps that all strokes are divided into.
 const MOST_STEPS: f64 = 400_000.0;
+/// Most crossings of strokes, and most pairs of steps that are compared to find them.
+const MOST_CROSSINGS: usize = 100_000;
+const MOST_PAIRS: u64 = 200_000_000;
 /// Cosine of the turn from which on a place of a stroke is a corner: 35°.
 const CORNER: f64 = 0.82;
 /// Cosine of the largest angle between strokes that count as one where they lie on one another.
@@ -90,7 +93,7 @@ impl CurveExemplar {
     /// The graph of the strokes: edges from node to node.
     ///
     /// # Errors
-    /// Those of `go_on`.
+    /// [`Error::TooLarge`] for strokes that cross or lie on one another too often; those of `go_on`.
     pub fn graph(&self, go_on: &dyn Fn() -> Result<()>) -> Result<CurveGraph> {
         let lines = self.lines(go_on)?;
         let mut steps = Vec::new();
@@ -113,6 +116,8 @@ impl CurveExemplar {
             open.push(is_open);
             nodes.len() as u32 - 1
         };
+        let mut crossings = 0;
+        check(crossings, index.looked_at(&middles, longest + 1e-9))?;
         for (a, step) in steps.iter().enumerate() {
             if a.is_multiple_of(64 * AT_ONCE) {
                 go_on()?;
@@ -125,11 +130,13 @@ impl CurveExemplar {
                 }
                 if let Some([s, t]) = crossing(step.way, other.way, between) {
                     let at = [step.from[0] + s * step.way[0], step.from[1] + s * step.way[1]];
+                    crossings += 1;
                     let node = add(at, false);
                     cuts[step.line as usize].push((f64::from(step.number) + s, node));
                     cuts[other.line as usize].push((f64::from(other.number) + t, node));
                 }
             });
+            check(crossings, 0)?;
         }
         for (l, line) in lines.iter().enumerate() {
             if l.is_multiple_of(AT_ONCE) {
@@ -197,6 +204,7 @@ impl CurveExemplar {
         };
         let numbers: Vec<usize> = (0..all.len()).collect();
         let mut kept: Vec<bool> = Vec::with_capacity(all.len());
+        check(0, index.looked_at(&middles, reach))?;
         for part in numbers.chunks(64 * AT_ONCE) {
             go_on()?;
             kept.extend(vtex_base::parallel::map(part, |&a| {
@@ -427,6 +435,16 @@ impl SteppedLine {
         }
         course
     }
+}
+
+/// Refuses strokes that cross or lie on one another too often.
+fn check(crossings: usize, pairs: u64) -> Result<()> {
+    if crossings <= MOST_CROSSINGS && pairs <= MOST_PAIRS {
+        return Ok(());
+    }
+    let found = "lines that cross or cover one another too often".into();
+    let limit = format!("{} thousand crossings", MOST_CROSSINGS / 1000);
+    Err(Error::TooLarge { what: Large::Drawing, name: "the drawing".into(), found, limit })
 }
 
 /// The points of a stroke, none further than `step` from the next, and none on the next.

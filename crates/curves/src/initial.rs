@@ -32,6 +32,8 @@ const CHANGE_REGULAR: f64 = 0.04;
 /// tried for a patch.
 const SAME: f64 = 0.6;
 const COMMON: usize = 4;
+/// Most pairs of samples that are compared for one place: in a crowd only some samples are.
+const MOST_COMPARED: usize = 400_000;
 /// Most samples that are remembered as alike, some 64 MB.
 const MOST_KNOWN: usize = 1 << 24;
 
@@ -436,7 +438,8 @@ fn misfit(input: &CurveInput, around: &PatchSurroundings<'_>, offset: [f64; 2], 
         cost
     };
     let (mut sum, mut count) = (0.0, 0.0f64);
-    for (at, source) in &expected[..outer] {
+    let step = (near.len() * expected.len()).div_ceil(MOST_COMPARED).max(1);
+    for (at, source) in expected[..outer].iter().step_by(step) {
         // Where no neighbour is yet, nothing is expected of it.
         let mut best: Option<f64> = None;
         rim.index.within(*at, delta, |n, way| {
@@ -448,7 +451,7 @@ fn misfit(input: &CurveInput, around: &PatchSurroundings<'_>, offset: [f64; 2], 
             count += 1.0;
         }
     }
-    for &n in near {
+    for &n in near.iter().step_by(step) {
         let (at, source) = rim.samples[n];
         let there = {
             let middle = patch.middle();

@@ -13,7 +13,7 @@ use crate::positions::improve_positions;
 use crate::search::search;
 use crate::trace::{ShownPart, TracedCurve, traced, traced_beside};
 use vtex_base::error::{Error, Large, Result};
-use vtex_base::geometry::plane::PeriodicPlane;
+use vtex_base::geometry::plane::{PeriodicPlane, PointIndex};
 
 /// Long side of the exemplar in the lengths of the paper, and its finest sample distance.
 const SIDE: f64 = 400.0;
@@ -32,6 +32,8 @@ const KEPT: f64 = 0.9;
 /// Most samples that are optimised, and that are made at all.
 const MOST_OPTIMISED: f64 = 8_000.0;
 const MOST_SAMPLES: f64 = 1_000_000.0;
+/// Most points looked at to find the neighbours of all samples: a crowd stays as it is.
+const MOST_LOOKED_AT: u64 = 20_000_000;
 /// Most samples of the exemplar.
 const MOST_INPUT: f64 = 60_000.0;
 /// Least length of curves by area, relative to the exemplar's; the most is as far beyond it.
@@ -297,7 +299,9 @@ impl CurveTask<'_> {
         let mut result = CurveResult::default();
         let mut settled = |output: CurveOutput, input: &CurveInput| {
             go_on()?;
-            if levels.is_empty() {
+            let radius = input.scale.radius;
+            let index = PointIndex::new(output.plane, radius, &output.points);
+            if levels.is_empty() || index.looked_at(&output.points, radius) > MOST_LOOKED_AT {
                 return Ok(output);
             }
             let (output, level) = level_of(output, input, (params, given), go_on)?;

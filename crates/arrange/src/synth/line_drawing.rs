@@ -17,9 +17,10 @@ use vtex_scene::scene::{Element, LibraryId, SynthParams};
 
 /// Least ratio of length to width of a filled outline that is a line.
 const THIN: f64 = 5.0;
-/// Cells across the thinnest painted line, and most cells of a page.
+/// Cells across the thinnest painted line, and most cells of a page: for each appearance, and for all together.
 const CELLS: f64 = 20.0;
 const MOST_CELLS: f64 = 6e6;
+const MOST_CELLS_OF_ALL: f64 = 12e6;
 /// How far beyond a page that ends painted lines lead, in cells.
 const RIM: usize = 80;
 /// Number from which on styles are kinds of elements.
@@ -133,8 +134,9 @@ impl LineDrawing {
                 }
             }
         }
+        let most_cells = MOST_CELLS.min(MOST_CELLS_OF_ALL / painted.len().max(1) as f64);
         for (style, shapes) in painted {
-            let (lines, width) = thinned(&shapes, page, thinnest, go_on)?;
+            let (lines, width) = thinned(&shapes, page, (thinnest, most_cells), go_on)?;
             styles[style as usize].line.width = width.max(1e-3);
             let stroke = |(points, closed)| CurveStroke { points, closed, style };
             strokes.extend(lines.into_iter().map(stroke));
@@ -320,10 +322,10 @@ fn of_path(line: &Line, style: u32) -> Vec<CurveStroke> {
 fn thinned(
     shapes: &[Shape],
     page: PeriodicPlane,
-    thinnest: f64,
+    (thinnest, most_cells): (f64, f64),
     go_on: &dyn Fn() -> Result<()>,
 ) -> Result<(Vec<CentreLine>, f64)> {
-    let raster = PageRaster::new(page, CELLS / thinnest.max(1e-6), MOST_CELLS);
+    let raster = PageRaster::new(page, CELLS / thinnest.max(1e-6), most_cells);
     let [columns, rows] = raster.size;
     let mut ink = Ink { size: raster.size, wraps: page.wraps, cells: vec![false; columns * rows] };
     for shape in shapes {

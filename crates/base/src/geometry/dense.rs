@@ -25,6 +25,8 @@ pub struct DenseAssignment {
     from: Vec<u32>,
     done: Vec<bool>,
     scanned: Vec<u32>,
+    /// Entries looked at by all problems.
+    pub entries: u64,
 }
 
 impl DenseAssignment {
@@ -85,6 +87,7 @@ impl DenseAssignment {
         loop {
             let (mut near, mut nearest) = (f64::INFINITY, NONE);
             let costs = &self.costs[row * n..][..n];
+            self.entries += n as u64;
             for c in 0..n {
                 if self.done[c] {
                     continue;

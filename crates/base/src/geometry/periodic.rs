@@ -74,12 +74,22 @@ impl NearPoints {
     /// Calls `f` with the indices of all points within `reach` of `at`, and of some further away. Each
     /// is given once, in a deterministic order.
     pub fn each(&self, at: Point, mut f: impl FnMut(usize)) {
+        self.each_while(at, |i| {
+            f(i);
+            true
+        });
+    }
+
+    /// As [`Self::each`], until `f` is false.
+    pub fn each_while(&self, at: Point, mut f: impl FnMut(usize) -> bool) {
         let [x, y] = self.cell(at);
         for row in self.around(y, 1) {
             for column in self.around(x, 0) {
                 let cell = self.index([column, row]);
                 let (first, end) = (self.starts[cell] as usize, self.starts[cell + 1] as usize);
-                self.order[first..end].iter().for_each(|&i| f(i as usize));
+                if !self.order[first..end].iter().all(|&i| f(i as usize)) {
+                    return;
+                }
             }
         }
     }

@@ -113,30 +113,42 @@ impl PointIndex {
         ((first as i64).rem_euclid(cells as i64) as usize, count)
     }
 
+    /// The points of the cells that a circle may touch, in their order cell by cell.
+    fn around(&self, centre: [f64; 2], radius: f64) -> impl Iterator<Item = &[u32]> {
+        let (column, columns) = self.range(0, centre[0] - radius, centre[0] + radius);
+        let (row, rows) = self.range(1, centre[1] - radius, centre[1] + radius);
+        let row = move |j: usize| (row + j) % self.cells[1] * self.cells[0];
+        let cell = move |i: usize| (column + i) % self.cells[0];
+        let cells = (0..rows).flat_map(move |j| (0..columns).map(move |i| row(j) + cell(i)));
+        cells.map(|c| &self.ids[self.starts[c] as usize..self.starts[c + 1] as usize])
+    }
+
     /// Calls `f` with the index of each point closer than `radius`, and the way to it.
     pub fn within(&self, centre: [f64; 2], radius: f64, mut f: impl FnMut(usize, [f64; 2])) {
         let centre = self.plane.wrapped(centre);
-        let (column, columns) = self.range(0, centre[0] - radius, centre[0] + radius);
-        let (row, rows) = self.range(1, centre[1] - radius, centre[1] + radius);
-        for j in 0..rows {
-            let row = (row + j) % self.cells[1];
-            for i in 0..columns {
-                let c = row * self.cells[0] + (column + i) % self.cells[0];
-                for &id in &self.ids[self.starts[c] as usize..self.starts[c + 1] as usize] {
-                    let way = self.plane.between(centre, self.points[id as usize]);
-                    if way[0] * way[0] + way[1] * way[1] < radius * radius {
-                        f(id as usize, way);
-                    }
+        for ids in self.around(centre, radius) {
+            for &id in ids {
+                let way = self.plane.between(centre, self.points[id as usize]);
+                if way[0] * way[0] + way[1] * way[1] < radius * radius {
+                    f(id as usize, way);
                 }
             }
         }
     }
 
+    /// How many points [`Self::within`] looks at in searches around some places.
+    pub fn looked_at(&self, centres: &[[f64; 2]], radius: f64) -> u64 {
+        let of = |at: &[f64; 2]| self.around(self.plane.wrapped(*at), radius).map(|ids| ids.len() as u64);
+        centres.iter().flat_map(of).sum()
+    }
+
     /// Whether a point is closer than `radius`.
     pub fn any(&self, centre: [f64; 2], radius: f64) -> bool {
-        let mut found = false;
-        self.within(centre, radius, |_, _| found = true);
-        found
+        let centre = self.plane.wrapped(centre);
+        self.around(centre, radius).flatten().any(|&id| {
+            let way = self.plane.between(centre, self.points[id as usize]);
+            way[0] * way[0] + way[1] * way[1] < radius * radius
+        })
     }
 
     /// The nearest point closer than `radius`, and its distance; of equally near ones the first.
@@ -174,8 +186,14 @@ impl Vicinity {
                     near.push((length(way), id as u32, way));
                 }
             });
-            near.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-            near.truncate(most);
+            let nearer =
+                |a: &(f64, u32, [f64; 2]), b: &(f64, u32, [f64; 2])| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
+            if near.len() > most {
+                near.select_nth_unstable_by(most, nearer);
+                near.truncate(most);
+                near.shrink_to_fit();
+            }
+            near.sort_unstable_by(nearer);
             near
         });
         let mut made = Self { starts: vec![0], ..Self::default() };

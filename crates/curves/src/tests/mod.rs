@@ -53,6 +53,19 @@ fn waves() -> CurveExemplar {
     exemplar(page([400.0, 400.0], false), (0..17).map(wave).collect())
 }
 
+#[test]
+fn strokes_that_cross_or_cover_one_another_too_often_are_refused() {
+    let at = |k: i32| f64::from(k) + 0.37;
+    let across = |k: i32| stroke(vec![[0.0, at(k)], [400.0, at(k)]]);
+    let down = |k: i32| stroke(vec![[at(k), 0.0], [at(k), 400.0]]);
+    let grid = (0..399).flat_map(|k| [across(k), down(k)]).collect();
+    let one_place = (0..4000).map(|k| CurveStroke { style: k, ..across(200) }).collect();
+    for strokes in [grid, one_place] {
+        let drawn = CurveExemplar { weld: 0.1, ..exemplar(page([400.0, 400.0], false), strokes) };
+        assert!(matches!(drawn.graph(&go_on), Err(Error::TooLarge { .. })));
+    }
+}
+
 /// Waves on a page that repeats, in two styles.
 fn periodic_waves() -> CurveExemplar {
     let wave = |k: usize| {

@@ -117,24 +117,23 @@ impl GapSearch<'_> {
         let mut near: BTreeMap<(usize, Shift), f64> = BTreeMap::new();
         for p in self.places[own].iter().copied() {
             let mut left = MOST_LOOKED;
-            self.index.each(p, |k| {
+            self.index.each_while(p, |k| {
                 let b = self.owners[k];
-                left = left.saturating_sub(1);
-                if left == 0 || b == a || self.elements[b].layer != self.elements[a].layer {
-                    return;
+                left -= 1;
+                if b != a && self.elements[b].layer == self.elements[a].layer {
+                    let q = self.places[k];
+                    let offset = shortest_offset(p, q, self.axes);
+                    let distance = offset.hypot();
+                    if distance <= most {
+                        let shift = self.periods.map_or([0; 2], |[w, h]| {
+                            let moved = p + offset - q;
+                            [libm::round(moved.x / w) as i32, libm::round(moved.y / h) as i32]
+                        });
+                        let known = near.entry((b, shift)).or_insert(distance);
+                        *known = known.min(distance);
+                    }
                 }
-                let q = self.places[k];
-                let offset = shortest_offset(p, q, self.axes);
-                let distance = offset.hypot();
-                if distance > most {
-                    return;
-                }
-                let shift = self.periods.map_or([0; 2], |[w, h]| {
-                    let moved = p + offset - q;
-                    [libm::round(moved.x / w) as i32, libm::round(moved.y / h) as i32]
-                });
-                let known = near.entry((b, shift)).or_insert(distance);
-                *known = known.min(distance);
+                left > 0
             });
         }
         let mut near: Vec<(f64, usize, Shift)> = near.into_iter().map(|((b, s), d)| (d, b, s)).collect();

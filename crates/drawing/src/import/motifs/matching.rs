@@ -142,19 +142,20 @@ impl LeftElements<'_> {
             vtex_base::geometry::wrapped(at.x, axes[0]),
             vtex_base::geometry::wrapped(at.y, axes[1]),
         );
-        self.near.each(wrapped, |k| {
+        self.near.each_while(wrapped, |k| {
             let own = &self.elements[k];
-            self.left.set(self.left.get().saturating_sub(1));
-            if self.left.get() == 0 || self.is_taken[k] || !own.is_free {
-                return;
+            let left = self.left.get().saturating_sub(1);
+            self.left.set(left);
+            if left > 0 && !self.is_taken[k] && own.is_free {
+                let place = at + shortest_offset(at, own.centre, axes);
+                let by = place - own.centre;
+                let shift = self
+                    .plane
+                    .periods
+                    .map_or([0; 2], |[w, h]| [libm::round(by.x / w) as i32, libm::round(by.y / h) as i32]);
+                f(LaidPart { element: k, shift, label: own.label, at: place, axis: own.axis });
             }
-            let place = at + shortest_offset(at, own.centre, axes);
-            let by = place - own.centre;
-            let shift = self
-                .plane
-                .periods
-                .map_or([0; 2], |[w, h]| [libm::round(by.x / w) as i32, libm::round(by.y / h) as i32]);
-            f(LaidPart { element: k, shift, label: own.label, at: place, axis: own.axis });
+            left > 0
         });
     }
 
