@@ -15,11 +15,14 @@
 //! prompts that it needs.
 
 use std::path::{Path, PathBuf};
-use vtex::raster::{LabelMap, Mask, Span, picture};
+use vtex::raster::{LabelMap, Mask, picture};
 use vtex::segment::prompt::{Generator, GeneratorParams};
 use vtex::segment::texton::{Texton, TextonNetwork};
 use vtex::segment::{Felzenszwalb, Regions, ScoredMask, Segmenter};
 use vtex_testing::{GeneratedExemplar, SceneKind, SceneParams, generate};
+
+mod labelled;
+use labelled::{LabelledCrop, UNSURE, areas_known, crops};
 
 type Failure = Box<dyn std::error::Error>;
 
@@ -28,8 +31,6 @@ const MATCH: f64 = 0.7;
 /// First seed of the scenes on which Felzenszwalb's parameters are chosen.
 const SEARCH_SEED: u64 = 8_000_000;
 const SEARCH_SCENES: u64 = 40;
-/// Label of pixels that may or may not belong to an element.
-const UNSURE: u32 = u32::MAX;
 
 fn main() -> Result<(), Failure> {
     let (mut scenes, mut first, mut side) = (200u64, 9_000_000u64, 256u32);
@@ -159,17 +160,15 @@ fn compare_scenes(scenes: u64, first: u64, side: u32, methods: &Methods) -> Resu
 }
 
 fn compare_labels(photos: &Path, methods: &Methods) -> Result<(), Failure> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/labels");
-    let readme = std::fs::read_to_string(folder.join("README.md"))?;
     for title in ["Chosen on", "Reported on"] {
         println!("\n{title}");
         header(methods);
         let mut sums = vec![Tally::default(); methods.len()];
         let (mut large_wanted, mut large_found) = (0usize, vec![0usize; methods.len()]);
-        for name in listed(&readme, title)? {
-            let (truth, tallies) = compare_photo(&folder.join(format!("{name}.json")), photos, methods)?;
-            line(name, &tallies);
-            let (limit, wanted, found) = upper_third(&truth, &tallies);
+        for crop in crops(photos, title)? {
+            let tallies = compare_photo(&crop, methods)?;
+            line(&crop.name, &tallies);
+            let (limit, wanted, found) = upper_third(&crop.truth, &tallies);
             size_line(&format!(" from {limit}"), wanted, &found);
             large_wanted += wanted;
             large_found.iter_mut().zip(found).for_each(|(sum, n)| *sum += n);
@@ -181,36 +180,21 @@ fn compare_labels(photos: &Path, methods: &Methods) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The names in one list of the labels' README; the list ends with its sentence.
-fn listed<'a>(readme: &'a str, title: &str) -> Result<Vec<&'a str>, Failure> {
-    let start = format!("- **{title}**: ");
-    let list = readme.lines().find_map(|l| l.strip_prefix(start.as_str())?.split_once('.'));
-    let (names, _) = list.ok_or(format!("tests/labels/README.md has no list '{title}'"))?;
-    Ok(names.split(", ").collect())
-}
-
-/// The elements of a label file, and what each method finds of them.
-fn compare_photo(file: &Path, photos: &Path, methods: &Methods) -> Result<(LabelMap, Vec<Tally>), Failure> {
-    let labels: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(file)?)?;
-    let photo = labels["photo"].as_str().ok_or("a label file names its photo")?;
-    let image = image::open(photos.join(photo))?.to_rgb8();
-    let number = |v: &serde_json::Value| v.as_f64().ok_or("labels hold numbers");
-    let crop = labels["crop"].as_array().ok_or("a label file has a crop")?;
-    let crop: Vec<i32> = crop.iter().map(|v| number(v).map(|v| v as i32)).collect::<Result<_, _>>()?;
-    let truth = truth(&labels, &crop)?;
+/// What each method finds of the elements of a crop.
+fn compare_photo(crop: &LabelledCrop, methods: &Methods) -> Result<Vec<Tally>, Failure> {
     let mut tallies = Vec::new();
     for (_, method) in methods {
-        let masks = method.segment(&image, &())?;
-        let clipped = masks.iter().map(|m| ScoredMask { mask: clip(&m.mask, &crop), score: m.score });
-        tallies.push(tally(&truth, &clipped.collect::<Vec<_>>()));
+        let masks = method.segment(&crop.photo, &())?;
+        let clipped = masks.iter().map(|m| ScoredMask { mask: crop.clip(&m.mask), score: m.score });
+        tallies.push(tally(&crop.truth, &clipped.collect::<Vec<_>>()));
     }
-    Ok((truth, tallies))
+    Ok(tallies)
 }
 
 /// The upper third of the elements by area: its least area, how many they are, and how many of them
 /// each method found.
 fn upper_third(truth: &LabelMap, tallies: &[Tally]) -> (u32, usize, Vec<usize>) {
-    let mut areas: Vec<u32> = truth.areas_known().into_iter().filter(|&a| a >= LEAST_AREA).collect();
+    let mut areas: Vec<u32> = areas_known(truth).into_iter().filter(|&a| a >= LEAST_AREA).collect();
     areas.sort_unstable();
     let limit = areas.get(areas.len() * 2 / 3).copied().unwrap_or(0);
     let large = |areas: &[u32]| areas.iter().filter(|&&a| a >= limit).count();
@@ -249,66 +233,6 @@ fn pictures(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
     paths.retain(|p| p.extension().is_some_and(|e| e == "png" || e == "jpg"));
     paths.sort();
     Ok(paths)
-}
-
-/// The instances of a crop; later ones lie on top.
-fn truth(labels: &serde_json::Value, crop: &[i32]) -> Result<LabelMap, Failure> {
-    let [x0, y0, w, h] = *crop else { return Err("a crop has four numbers".into()) };
-    let mut map = LabelMap::filled(w as u32, h as u32, 0);
-    let mut next = 0;
-    for texton in labels["textons"].as_array().ok_or("a label file has textons")? {
-        let sure = texton["sure"].as_bool().unwrap_or(true);
-        next += u32::from(sure);
-        let corner =
-            |v: &serde_json::Value| Some([v[0].as_f64()? - f64::from(x0), v[1].as_f64()? - f64::from(y0)]);
-        let corners = texton["polygon"].as_array().ok_or("a texton has a polygon")?;
-        let corners: Vec<[f64; 2]> =
-            corners.iter().map(corner).collect::<Option<_>>().ok_or("corners are pairs")?;
-        for y in 0..h {
-            for x in 0..w {
-                if inside(&corners, [f64::from(x) + 0.5, f64::from(y) + 0.5]) {
-                    map.set(x as u32, y as u32, if sure { next } else { UNSURE });
-                }
-            }
-        }
-    }
-    Ok(map)
-}
-
-fn inside(corners: &[[f64; 2]], p: [f64; 2]) -> bool {
-    let mut odd = false;
-    for (k, a) in corners.iter().enumerate() {
-        let b = corners[(k + 1) % corners.len()];
-        if (a[1] > p[1]) != (b[1] > p[1]) && p[0] < a[0] + (b[0] - a[0]) * (p[1] - a[1]) / (b[1] - a[1]) {
-            odd = !odd;
-        }
-    }
-    odd
-}
-
-/// The part of a mask inside a crop, relative to the crop's corner.
-fn clip(mask: &Mask, crop: &[i32]) -> Mask {
-    let spans = mask.spans().iter().filter(|s| s.y >= crop[1] && s.y < crop[1] + crop[3]).map(|s| Span {
-        y: s.y - crop[1],
-        x0: (s.x0 - crop[0]).max(0),
-        x1: (s.x1 - crop[0]).min(crop[2]),
-    });
-    Mask::from_spans(spans.collect())
-}
-
-/// Areas by label, excluding unsure pixels.
-trait Known {
-    fn areas_known(&self) -> Vec<u32>;
-}
-
-impl Known for LabelMap {
-    fn areas_known(&self) -> Vec<u32> {
-        let known = self.labels.iter().filter(|&&l| l != UNSURE);
-        let mut areas = vec![0; known.clone().max().map_or(0, |&l| l as usize) + 1];
-        known.for_each(|&l| areas[l as usize] += 1);
-        areas[0] = 0;
-        areas
-    }
 }
 
 /// Smallest area of each size class reported.
@@ -355,7 +279,7 @@ impl Tally {
 /// Counts matches. Masks that are too small, match an element too small to count, or lie mostly on
 /// unsure pixels count neither as right nor as wrong.
 fn tally(truth: &LabelMap, masks: &[ScoredMask]) -> Tally {
-    let areas = truth.areas_known();
+    let areas = areas_known(truth);
     let mut found = vec![false; areas.len()];
     let mut tally = Tally::default();
     for scored in masks {

@@ -80,6 +80,11 @@ fn disturb(picture: &mut image::RgbImage, seed: u64) {
     }
 }
 
+/// What a judge is to say of a candidate, by its largest IoU with an element.
+pub(crate) fn target(iou: f32) -> f32 {
+    ((iou - 0.4) / 0.5).clamp(0.0, 1.0)
+}
+
 /// The samples of one scene, the number of elements that a candidate matches, and that of all elements.
 fn of_scene<const F: usize>(
     seed: u64,
@@ -109,7 +114,7 @@ fn of_scene<const F: usize>(
                 best = best.max(share);
             }
         }
-        let target = ((best - 0.4) / 0.5).clamp(0.0, 1.0);
+        let target = target(best);
         let kept = target > 0.0 || random.chance(KEPT);
         // Large masks are few and matter more.
         let weight = libm::sqrtf(area as f32) / if target > 0.0 { 1.0 } else { KEPT as f32 };

@@ -2,11 +2,11 @@
 //!
 //! The network (`tools/texton`) is shown the image at three scales and prompted on a grid of points. Its
 //! masks and the texton-like nodes of the region tree are the candidates. Each is measured in the image and
-//! in the network's maps. A small perceptron fitted to procedural scenes scores it (`tools/fit_texton.rs`,
-//! to be fitted again with every new network), and disjoint candidates of the highest worth are selected
-//! greedily.
+//! in the network's maps. A small perceptron fitted to procedural scenes and to labelled photographs scores it
+//! (`tools/fit_texton.rs`, to be fitted again with every new network), and disjoint candidates of the highest
+//! worth are selected greedily.
 //!
-//! Both networks were trained only on generated scenes. Works less well on subjects that these do not cover:
+//! The promptable network was trained only on generated scenes. Works less well on subjects that these do not cover:
 //! crumpled litter, fur, grass.
 
 mod convolution;
@@ -53,9 +53,9 @@ const LEAST_NODE_SCORE: f32 = 0.2;
 const SAME_IOU: f32 = 0.9;
 /// Lower bound of a candidate's score, as a share of the region tree's own score. It helps in
 /// photographs unlike any generated scene, where the network fails.
-const REGION_SHARE: f32 = 0.55;
-/// Weight of the network's own estimate beside the judge's. The judge has seen only generated scenes.
-const OWN_WEIGHT: f32 = 0.15;
+const REGION_SHARE: f32 = 0.4;
+/// Weight of the network's own estimate beside the judge's. The judge has seen few photographs.
+const OWN_WEIGHT: f32 = 0.1;
 
 /// The texton segmenter. Its masks are disjoint and 4-connected.
 pub struct Texton {
