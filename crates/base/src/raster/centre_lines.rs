@@ -128,11 +128,16 @@ impl Ink {
 /// The eight neighbours, clockwise from above.
 const AROUND: [[i64; 2]; 8] = [[0, -1], [1, -1], [1, 0], [1, 1], [0, 1], [-1, 1], [-1, 0], [-1, -1]];
 
+/// Ink thinned to lines one cell wide, by the algorithm of Zhang and Suen (1984). A cell may go only once one beside it is
+/// unpainted, so only such cells are looked at.
 fn thinned(ink: &Ink, go_on: &dyn Fn() -> Result<()>) -> Result<Ink> {
     let mut thin = ink.clone();
-    let mut painted: Vec<usize> = (0..thin.cells.len()).filter(|c| thin.cells[*c]).collect();
+    let is_edge = |cell: &usize| thin.cells[*cell] && AROUND.iter().any(|by| !thin.is_painted(*cell, *by));
+    let mut edge: Vec<usize> = (0..thin.cells.len()).filter(is_edge).collect();
+    let mut is_listed = vec![false; thin.cells.len()];
+    edge.iter().for_each(|cell| is_listed[*cell] = true);
     loop {
-        let before = painted.len();
+        let mut is_done = true;
         for second in [false, true] {
             go_on()?;
             let goes = |&cell: &usize| {
@@ -147,11 +152,18 @@ fn thinned(ink: &Ink, go_on: &dyn Fn() -> Result<()>) -> Result<Ink> {
                 };
                 (2..=6).contains(&count) && rises == 1 && open
             };
-            let goes = crate::parallel::map(&painted, goes);
-            painted.iter().zip(&goes).filter(|p| *p.1).for_each(|p| thin.cells[*p.0] = false);
-            painted = painted.into_iter().zip(goes).filter(|p| !p.1).map(|p| p.0).collect();
+            let goes = crate::parallel::map(&edge, goes);
+            let gone: Vec<usize> = edge.iter().zip(&goes).filter(|p| *p.1).map(|p| *p.0).collect();
+            edge = edge.into_iter().zip(goes).filter(|p| !p.1).map(|p| p.0).collect();
+            gone.iter().for_each(|cell| thin.cells[*cell] = false);
+            is_done &= gone.is_empty();
+            for beside in gone.iter().flat_map(|cell| AROUND.map(|by| thin.beside(*cell, by))).flatten() {
+                if thin.cells[beside] && !std::mem::replace(&mut is_listed[beside], true) {
+                    edge.push(beside);
+                }
+            }
         }
-        if painted.len() == before {
+        if is_done {
             return Ok(thin);
         }
     }
