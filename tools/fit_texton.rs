@@ -39,8 +39,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         found.into_iter().map(|c| (c.mask, c.features)).collect()
     });
     for crop in &crops {
-        let found = segmenter.candidates(&crop.photo, &())?;
-        samples.extend(found.iter().filter_map(|candidate| of_crop(crop, candidate)));
+        let (found, areas) = (segmenter.candidates(&crop.photo, &())?, areas_known(&crop.truth));
+        let before = samples.len();
+        samples.extend(found.iter().filter_map(|candidate| of_crop((crop, &areas), candidate)));
+        println!("{}: {} samples", crop.name, samples.len() - before);
     }
     let judge: Judge = fitting::fit(&mut samples, passes);
     let made_by = format!(
@@ -52,14 +54,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// A candidate in a labelled crop as a sample; `None` if too little is known about it.
-fn of_crop(crop: &LabelledCrop, candidate: &MaskCandidate) -> Option<Sample<FEATURES>> {
+/// A candidate in a labelled crop, whose elements have some areas, as a sample; `None` if too little is known about it.
+fn of_crop((crop, areas): (&LabelledCrop, &[u32]), candidate: &MaskCandidate) -> Option<Sample<FEATURES>> {
     let inside = crop.clip(&candidate.mask);
     let area = inside.area() as f32;
     if area == 0.0 || area < WITHIN * candidate.mask.area() as f32 {
         return None;
     }
-    let areas = areas_known(&crop.truth);
     let mut shared: BTreeMap<u32, u32> = BTreeMap::new();
     for (x, y) in inside.pixels() {
         *shared.entry(crop.truth.get(x as u32, y as u32)).or_default() += 1;

@@ -10,7 +10,6 @@ type Failure = Box<dyn std::error::Error>;
 
 /// A photograph of whose crop all elements are known.
 pub(crate) struct LabelledCrop {
-    #[allow(dead_code)] // the tool that fits the judge prints no names
     pub(crate) name: String,
     pub(crate) photo: image::RgbImage,
     /// The elements in the crop, numbered; later ones lie on top.

@@ -22,12 +22,12 @@ impl Figure {
         Self { outlines: self.outlines.iter().map(|o| o.moved(map)).collect(), ..*self }
     }
 
-    /// The part of it in a rectangle around its reference point, around the middle of its own bounds, and the way from the
-    /// reference point to that; `None` if nothing is there.
+    /// Its part in a rectangle, which has the figure's reference point as its origin. The part has a reference point of
+    /// its own, the middle of its bounds; the way there is returned, too. `None`: no part of the figure is there.
     pub(crate) fn within(&self, rectangle: Rect) -> Option<(Self, [f64; 2])> {
         let polygon = ConvexPolygon::rect(rectangle);
-        let parts = self.outlines.iter().filter_map(|o| Outline::new(&polygon.clipped(o.path())));
-        let part = Self { outlines: parts.filter(|o| !o.is_empty()).collect(), ..*self };
+        let part =
+            Self { outlines: self.outlines.iter().filter_map(|o| polygon.part_of(o)).collect(), ..*self };
         if part.outlines.is_empty() {
             return None;
         }

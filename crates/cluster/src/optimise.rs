@@ -169,7 +169,7 @@ fn arranged(
     let around = largest + AROUND * LEVELS[0].radius * SIDE;
     let beside = context.map(|context| {
         let window = context.window((params.size, unit), around);
-        standing(context, (unit, window), &mut own, go_on)
+        standing(context, (unit, &window), &mut own, go_on).map(|drawn| (window, drawn))
     });
     let beside = beside.transpose()?;
     // No neighbourhood, no element and none of the elements around one may meet itself across a seam.
@@ -195,8 +195,12 @@ fn arranged(
         input.without_context = params.without_context;
         go_on()?;
         let expected = input.len() as f64 * plane.area() / scene.page.area();
+        if expected > MOST_SAMPLES {
+            break;
+        }
         let output = sampled(&board, &input);
-        if expected.max(output.len() as f64) > MOST_SAMPLES {
+        // What stands may have more.
+        if output.len() as f64 > MOST_SAMPLES {
             break;
         }
         let (output, votes, mut report) = level_of(output, &input, (params, standing), &mut work, go_on)?;

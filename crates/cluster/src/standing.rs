@@ -76,10 +76,10 @@ pub(crate) struct StandingElement {
 /// Those of `go_on`.
 pub(crate) fn standing(
     context: &ClusterContext,
-    (unit, window): (f64, RegionWindow),
+    (unit, window): (f64, &RegionWindow),
     exemplar: &mut ClusterExemplar,
     go_on: &dyn Fn() -> Result<()>,
-) -> Result<(RegionWindow, Vec<StandingElement>)> {
+) -> Result<Vec<StandingElement>> {
     let (own, size) = (exemplar.figures.len(), window.plane.size);
     // Figures that the exemplar does not have: the context's, each once, and what the window cuts of them.
     let mut figures: Vec<Figure> = Vec::new();
@@ -127,7 +127,7 @@ pub(crate) fn standing(
         let [figure, like] = numbers[figure];
         StandingElement { figure, like, at }
     };
-    Ok((window, placed.into_iter().map(of).collect()))
+    Ok(placed.into_iter().map(of).collect())
 }
 
 /// What a figure is recognised by.

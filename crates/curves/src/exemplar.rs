@@ -116,8 +116,10 @@ impl CurveExemplar {
             open.push(is_open);
             nodes.len() as u32 - 1
         };
+        if index.looked_at(&middles, longest + 1e-9) > MOST_PAIRS {
+            return Err(too_often());
+        }
         let mut crossings = 0;
-        check(crossings, index.looked_at(&middles, longest + 1e-9))?;
         for (a, step) in steps.iter().enumerate() {
             if a.is_multiple_of(64 * AT_ONCE) {
                 go_on()?;
@@ -136,7 +138,9 @@ impl CurveExemplar {
                     cuts[other.line as usize].push((f64::from(other.number) + t, node));
                 }
             });
-            check(crossings, 0)?;
+            if crossings > MOST_CROSSINGS {
+                return Err(too_often());
+            }
         }
         for (l, line) in lines.iter().enumerate() {
             if l.is_multiple_of(AT_ONCE) {
@@ -204,7 +208,9 @@ impl CurveExemplar {
         };
         let numbers: Vec<usize> = (0..all.len()).collect();
         let mut kept: Vec<bool> = Vec::with_capacity(all.len());
-        check(0, index.looked_at(&middles, reach))?;
+        if index.looked_at(&middles, reach) > MOST_PAIRS {
+            return Err(too_often());
+        }
         for part in numbers.chunks(64 * AT_ONCE) {
             go_on()?;
             kept.extend(vtex_base::parallel::map(part, |&a| {
@@ -437,14 +443,11 @@ impl SteppedLine {
     }
 }
 
-/// Refuses strokes that cross or lie on one another too often.
-fn check(crossings: usize, pairs: u64) -> Result<()> {
-    if crossings <= MOST_CROSSINGS && pairs <= MOST_PAIRS {
-        return Ok(());
-    }
+/// The error for strokes that cross or lie on one another too often.
+fn too_often() -> Error {
     let found = "lines that cross or cover one another too often".into();
     let limit = format!("{} thousand crossings", MOST_CROSSINGS / 1000);
-    Err(Error::TooLarge { what: Large::Drawing, name: "the drawing".into(), found, limit })
+    Error::TooLarge { what: Large::Drawing, name: "the drawing".into(), found, limit }
 }
 
 /// The points of a stroke, none further than `step` from the next, and none on the next.

@@ -299,9 +299,7 @@ impl CurveTask<'_> {
         let mut result = CurveResult::default();
         let mut settled = |output: CurveOutput, input: &CurveInput| {
             go_on()?;
-            let radius = input.scale.radius;
-            let index = PointIndex::new(output.plane, radius, &output.points);
-            if levels.is_empty() || index.looked_at(&output.points, radius) > MOST_LOOKED_AT {
+            if levels.is_empty() || is_crowded(&output, input.scale.radius) {
                 return Ok(output);
             }
             let (output, level) = level_of(output, input, (params, given), go_on)?;
@@ -342,6 +340,12 @@ impl CurveTask<'_> {
         let has_length = params.without.no_patches || lengths.contains(&(graph.length() / wanted.max(1e-9)));
         Ok(MadeCurves { output, samples: last, graph, result, has_length })
     }
+}
+
+/// Whether to find the samples near each sample takes too long.
+fn is_crowded(output: &CurveOutput, radius: f64) -> bool {
+    let index = PointIndex::new(output.plane, radius, &output.points);
+    index.looked_at(&output.points, radius) > MOST_LOOKED_AT
 }
 
 /// Factors of the exemplar's sides with which a whole number of its periods fits a tile.

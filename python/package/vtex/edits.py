@@ -98,10 +98,9 @@ _READERS: dict[str, Callable[[Any, str, _Files], Any]] = {
 
 def _read(value: Any, field: Field[Any], files: _Files) -> Any:
     declared = str(field.type)
-    kind = declared.removesuffix(" | None")
-    if value is None and kind != declared:
+    if value is None and declared.endswith(" | None"):
         return None
-    read = _READERS.get(kind)
+    read = _READERS.get(declared.removesuffix(" | None"))
     return read(value, field.name, files) if read else value
 
 

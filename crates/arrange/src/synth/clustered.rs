@@ -299,11 +299,8 @@ impl ClusteredDrawing {
 /// The parts of shapes, as a map places them, that lie within a rectangle, in the coordinates of the shapes.
 fn within(shapes: &[Shape], map: Affine, rectangle: Rect) -> Vec<Outline> {
     let polygon = ConvexPolygon::rect(rectangle);
-    let part = |shape: &Shape| {
-        let placed = shape.outline.moved(map);
-        Some(Outline::new(&polygon.clipped(placed.path()))?.moved(map.inverse()))
-    };
-    shapes.iter().filter_map(part).filter(|outline| !outline.is_empty()).collect()
+    let part = |shape: &Shape| Some(polygon.part_of(&shape.outline.moved(map))?.moved(map.inverse()));
+    shapes.iter().filter_map(part).collect()
 }
 
 /// The first element that an element equals up to its place, and the translation from that one; or itself.

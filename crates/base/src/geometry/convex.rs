@@ -1,6 +1,6 @@
 //! Clipping of filled paths to convex polygons.
 
-use super::is_simple;
+use super::{Outline, is_simple};
 use kurbo::{BezPath, ParamCurve, PathEl, PathSeg, Point, Rect, Shape as _, Vec2};
 
 /// A convex polygon, clockwise on the screen.
@@ -57,6 +57,11 @@ impl ConvexPolygon {
             return path.clone();
         }
         self.sides().fold(path.clone(), |path, (at, inward)| half(&path, at, inward))
+    }
+
+    /// The part inside of an outline; `None` if there is none.
+    pub fn part_of(&self, outline: &Outline) -> Option<Outline> {
+        Outline::new(&self.clipped(outline.path())).filter(|part| !part.is_empty())
     }
 }
 

@@ -123,13 +123,18 @@ impl PointIndex {
         cells.map(|c| &self.ids[self.starts[c] as usize..self.starts[c + 1] as usize])
     }
 
+    /// The way to a point that is closer than `radius`.
+    fn way_within(&self, centre: [f64; 2], radius: f64, id: u32) -> Option<[f64; 2]> {
+        let way = self.plane.between(centre, self.points[id as usize]);
+        (way[0] * way[0] + way[1] * way[1] < radius * radius).then_some(way)
+    }
+
     /// Calls `f` with the index of each point closer than `radius`, and the way to it.
     pub fn within(&self, centre: [f64; 2], radius: f64, mut f: impl FnMut(usize, [f64; 2])) {
         let centre = self.plane.wrapped(centre);
         for ids in self.around(centre, radius) {
             for &id in ids {
-                let way = self.plane.between(centre, self.points[id as usize]);
-                if way[0] * way[0] + way[1] * way[1] < radius * radius {
+                if let Some(way) = self.way_within(centre, radius, id) {
                     f(id as usize, way);
                 }
             }
@@ -145,10 +150,7 @@ impl PointIndex {
     /// Whether a point is closer than `radius`.
     pub fn any(&self, centre: [f64; 2], radius: f64) -> bool {
         let centre = self.plane.wrapped(centre);
-        self.around(centre, radius).flatten().any(|&id| {
-            let way = self.plane.between(centre, self.points[id as usize]);
-            way[0] * way[0] + way[1] * way[1] < radius * radius
-        })
+        self.around(centre, radius).flatten().any(|&id| self.way_within(centre, radius, id).is_some())
     }
 
     /// The nearest point closer than `radius`, and its distance; of equally near ones the first.

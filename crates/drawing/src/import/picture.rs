@@ -6,7 +6,7 @@ use super::shapes::shapes;
 use crate::svg_tree::{self, SvgFault};
 use image::{Rgb, RgbImage};
 use resvg::usvg::Transform;
-use vtex_base::geometry::{Affine, ConvexPolygon, Outline, Rect};
+use vtex_base::geometry::{Affine, ConvexPolygon, Rect};
 use vtex_base::raster::colour::Colour;
 use vtex_scene::scene::pixels;
 
@@ -67,7 +67,7 @@ fn draw(picture: &mut RgbImage, piece: &DrawingPiece, map: Affine) {
     let seen = ConvexPolygon::rect(seen);
     for shape in shapes(piece, map) {
         // What leaves the page may cover many times as many pixels.
-        let Some(outline) = Outline::new(&seen.clipped(shape.outline.path())) else { continue };
+        let Some(outline) = seen.part_of(&shape.outline) else { continue };
         let (new, opacity) = (shape.colour.to_f64(), shape.opacity);
         for (x, y) in pixels::mask(&outline).pixels() {
             let (Ok(x), Ok(y)) = (u32::try_from(x), u32::try_from(y)) else { continue };
