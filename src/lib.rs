@@ -103,7 +103,7 @@ pub mod element {
 /// Neural networks: named tensors in, named tensors out. Knows nothing of images.
 pub mod engine {
     #[doc(inline)]
-    pub use vtex_segment::engine::{
+    pub use vtex_sam::engine::{
         Engine, EngineChoice, EngineOptions, GIVEN, MINIMUM_MINOR, NetworkSource, Port, Runtime,
         RuntimeCandidate, Tensor, Values, choose, load, locate, version,
     };
@@ -314,7 +314,7 @@ pub mod segment {
     pub mod prompt {
         #[cfg(feature = "onnx")]
         #[doc(inline)]
-        pub use vtex_segment::segment::prompt::Sam;
+        pub use vtex_sam::Sam;
         #[doc(inline)]
         pub use vtex_segment::segment::prompt::{
             Cost, Embedded, FoundMask, Generator, GeneratorParams, Logits, PromptMask, Prompter,
@@ -324,7 +324,7 @@ pub mod segment {
         /// decoder, in two files or one.
         pub mod sam {
             #[doc(inline)]
-            pub use vtex_segment::segment::prompt::sam::{Sam, SamRole, recognise};
+            pub use vtex_sam::{Sam, SamRole, recognise};
         }
     }
     /// The built-in segmenter: a tree of merged regions, whose texton-like nodes are selected.

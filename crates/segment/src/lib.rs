@@ -1,5 +1,3 @@
-//! Masks of the elements in a photograph: region merging, prompts, networks and their engines.
+//! Masks of the elements in a photograph: region merging, prompts, the texton network, files.
 
-#[cfg(feature = "onnx")]
-pub mod engine;
 pub mod segment;

@@ -2,14 +2,10 @@
 
 mod generator;
 mod proposal;
-#[cfg(feature = "onnx")]
-pub mod sam;
 
 #[cfg(feature = "onnx")]
 pub(in crate::segment) use generator::View;
 pub use generator::{Cost, FoundMask, Generator, GeneratorParams};
-#[cfg(feature = "onnx")]
-pub use sam::Sam;
 
 use image::RgbImage;
 use vtex_base::error::Result;

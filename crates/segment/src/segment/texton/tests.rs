@@ -2,18 +2,25 @@
 //! images.
 
 use super::*;
-use crate::engine::{self, Engine, EngineOptions, NetworkSource, Runtime, Tensor};
 use crate::segment::prompt::Embedded;
+use rten::{Model, NodeId, Value, ValueOrView};
+use rten_tensor::Tensor;
+use rten_tensor::prelude::*;
 use vtex_base::raster::{Connectivity, LabelMap, components_of_mask};
 use vtex_testing::{SceneKind, SceneParams, generate};
 
 const ENCODER: &[u8] = include_bytes!("../../../../../models/texton/encoder.onnx");
 const DECODER: &[u8] = include_bytes!("../../../../../models/texton/decoder.onnx");
 
-/// An exported graph, run by rten.
-fn graph(name: &str, bytes: &[u8]) -> Box<dyn Engine> {
-    let options = EngineOptions { runtime: Runtime::Rten, ..EngineOptions::default() };
-    engine::load(NetworkSource::Bytes { name, bytes }, &options).unwrap()
+/// What an exported graph gives for its inputs, run by rten.
+fn outputs<const N: usize>(graph: &[u8], inputs: &[(&str, &Tensor)], names: [&str; N]) -> [Tensor; N] {
+    let model = Model::load(graph.to_vec()).unwrap();
+    let inputs = inputs.iter().map(|(name, tensor)| {
+        (model.find_node(name).unwrap(), ValueOrView::from(Value::FloatTensor((*tensor).clone())))
+    });
+    let wanted: [NodeId; N] = names.map(|name| model.find_node(name).unwrap());
+    let values = model.run_n(inputs.collect(), wanted, None).unwrap();
+    values.map(|value| value.try_into().unwrap())
 }
 
 fn scene(side: u32, seed: u64, kind: SceneKind) -> vtex_testing::GeneratedExemplar {
@@ -30,14 +37,13 @@ fn encoding_agrees_with_the_graph() {
         let rows = image.enumerate_pixels().filter(|(_, y, _)| *y < h as u32);
         pixels.extend(rows.map(|(_, _, pixel)| f32::from(pixel.0[c]) / 255.0));
     }
-    let encoder = graph("encoder", ENCODER);
-    let input = Tensor::f32([1, 3, h, w], pixels);
-    let out = encoder.run(&[("image", &input)], &["image_embeddings"]).unwrap();
+    let input = Tensor::from_data(&[1, 3, h, w], pixels);
+    let [out] = outputs(ENCODER, &[("image", &input)], ["image_embeddings"]);
     let image = image::imageops::crop_imm(&image, 0, 0, w as u32, h as u32).to_image();
     let seen = TextonNetwork::built_in().unwrap().view(&image, 0.0).embedding;
-    assert_eq!([seen.height, seen.width], out[0].shape[2..]);
-    let (cells, expected) = (seen.width * seen.height, out[0].floats());
-    for channel in 0..out[0].shape[1] {
+    assert_eq!([seen.height, seen.width], out.shape()[2..]);
+    let (cells, expected) = (seen.width * seen.height, out.data().unwrap());
+    for channel in 0..out.shape()[1] {
         for cell in 0..cells {
             let (a, b) = (seen.cell(cell)[channel], expected[channel * cells + cell]);
             assert!((a - b).abs() < 1e-3 * (1.0 + b.abs()), "channel {channel}, cell {cell}: {a} {b}");
@@ -56,14 +62,13 @@ fn decoding_agrees_with_the_graph() {
     for c in 0..e.cell(0).len() {
         window.extend((0..w * h).map(|i| e.cell(i)[c]));
     }
-    let decoder = graph("decoder", DECODER);
+    let embedding = Tensor::from_data(&[1, window.len() / (w * h), h, w], window);
     let mut compared = 0;
     for point in [[11.0, 9.0], [40.0, 22.0], [31.0, 55.0]] {
-        let embedding = Tensor::f32([1, window.len() / (w * h), h, w], window.clone());
-        let at = Tensor::f32([1, 1, 2], vec![(point[0] / 2.0f32).floor(), (point[1] / 2.0f32).floor()]);
+        let at = Tensor::from_data(&[1, 1, 2], point.map(|v: f32| (v / 2.0).floor()).to_vec());
         let inputs = [("image_embeddings", &embedding), ("point_coords", &at)];
-        let out = decoder.run(&inputs, &["low_res_masks", "iou_predictions"]).unwrap();
-        let (logits, ious) = (out[0].floats(), out[1].floats());
+        let [logits, ious] = outputs(DECODER, &inputs, ["low_res_masks", "iou_predictions"]);
+        let (logits, ious) = (logits.data().unwrap(), ious.data().unwrap());
         for mask in seen.masks(&[point]).unwrap().remove(0) {
             let same = |head: &usize| (mask.predicted_iou - ious[*head]).abs() < 1e-4;
             let head = (0..ious.len()).find(same).unwrap();

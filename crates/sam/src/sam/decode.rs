@@ -3,12 +3,12 @@
 //! All these networks measure points from the centre of the first pixel. For each point they give
 //! three masks, from part to whole. Some put a mask for several points before them, which is skipped.
 
-use super::super::PromptMask;
 use super::Shown;
 use super::export::{Family, MASK_SIDE};
 use crate::engine::{Engine, Tensor};
 use std::sync::atomic::{AtomicU8, Ordering};
 use vtex_base::error::{Error, Result};
+use vtex_segment::segment::prompt::PromptMask;
 
 /// Points per run if the export allows any number. More of them take more memory than they save time.
 const BATCH: usize = 16;

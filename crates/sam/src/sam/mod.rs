@@ -9,13 +9,13 @@ mod decode;
 mod export;
 mod frame;
 
-use super::{Embedded, PromptMask, Prompter};
 use crate::engine::{self, Engine, EngineOptions, NetworkSource, Tensor};
 use decode::Batching;
 use export::{Decoder, EncoderPorts, GraphRole};
 use frame::InputFrame;
 use image::RgbImage;
 use vtex_base::error::{Error, Result};
+use vtex_segment::segment::prompt::{Embedded, PromptMask, Prompter};
 
 /// Segment Anything: SAM, MobileSAM, EfficientSAM or SAM 2.
 ///

@@ -1,10 +1,10 @@
 //! Conversion between the pixels of an image and those of a network.
 
-use super::super::Logits;
 use super::export::{AxisOrder, EncoderPorts, Fit, Pixels};
 use crate::engine::Tensor;
 use image::RgbImage;
 use vtex_base::raster::{Filter, resized};
+use vtex_segment::segment::prompt::Logits;
 
 /// Mean and standard deviation of ImageNet's pixels, with which all these networks were trained.
 const MEAN: [f32; 3] = [123.675, 116.28, 103.53];

@@ -1,10 +1,10 @@
 //! Every supported export, with graphs of the same signature whose masks are known; see
 //! `tools/sam/make_test_networks.py`.
 
-use super::super::{Logits, Prompter};
 use super::*;
 use crate::engine::testing::{engines, network};
 use image::Rgb;
+use vtex_segment::segment::prompt::{Logits, Prompter};
 
 /// Red left of `middle`, blue right of it.
 fn picture(width: u32, height: u32, middle: u32) -> RgbImage {
