@@ -16,7 +16,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let path = arguments.next().ok_or("usage: fit_regions OUT.rs [scenes] [passes]")?;
     let scenes: u64 = arguments.next().map_or(Ok(1000), |n| n.parse())?;
     let passes: usize = arguments.next().map_or(Ok(12), |n| n.parse())?;
-    let mut samples = fitting::samples(FIRST_SEED, scenes, |image| {
+    let mut samples = fitting::samples(FIRST_SEED..FIRST_SEED + scenes, fitting::generated, |image| {
         let found = candidates(image, &()).expect("nothing interrupts");
         found.into_iter().map(|c| (c.mask, c.features)).collect()
     });

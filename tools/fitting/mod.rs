@@ -30,23 +30,22 @@ pub(crate) struct Sample<const F: usize> {
     pub(crate) weight: f32,
 }
 
-/// Samples of `scenes` scenes, starting at a seed, with the candidates that `candidates` finds.
+/// Samples of scenes by their numbers, with the candidates that `candidates` finds.
 pub(crate) fn samples<const F: usize>(
-    first: u64,
-    scenes: u64,
+    numbers: std::ops::Range<u64>,
+    scene: impl Fn(u64) -> GeneratedExemplar + Sync,
     candidates: impl Fn(&image::RgbImage) -> Vec<(Mask, [f32; F])> + Sync,
 ) -> Vec<Sample<F>> {
     let threads = std::thread::available_parallelism().map_or(1, |n| n.get() as u64);
-    let one = |seed: u64| {
-        let side = SIDES[seed as usize % SIDES.len()];
-        let params = SceneParams::random(seed, side, side);
-        let mut scene = generate(&params).expect("random parameters are in range");
-        disturb(&mut scene.image, seed);
+    let scenes = numbers.end - numbers.start;
+    let one = |number: u64| {
+        let scene = scene(number);
         let candidates = candidates(&scene.image);
-        of_scene(seed, &scene, &candidates)
+        of_scene(number, &scene, &candidates)
     };
     let parts = std::thread::scope(|scope| {
-        let work = |t| move || (t..scenes).step_by(threads as usize).map(|i| one(first + i)).collect();
+        let work =
+            |t| move || (t..scenes).step_by(threads as usize).map(|i| one(numbers.start + i)).collect();
         let handles: Vec<_> = (0..threads).map(|t| scope.spawn(work(t))).collect();
         handles.into_iter().map(|h| h.join().expect("no panic")).collect::<Vec<Vec<_>>>()
     });
@@ -59,6 +58,15 @@ pub(crate) fn samples<const F: usize>(
     }
     println!("{} samples; {found} of {wanted} elements are among the candidates", all.len());
     all
+}
+
+/// The generated scene of a seed, as a camera and a file might show it.
+pub(crate) fn generated(seed: u64) -> GeneratedExemplar {
+    let side = SIDES[seed as usize % SIDES.len()];
+    let params = SceneParams::random(seed, side, side);
+    let mut scene = generate(&params).expect("random parameters are in range");
+    disturb(&mut scene.image, seed);
+    scene
 }
 
 /// Simulates the effects of cameras and file formats on three of four pictures.

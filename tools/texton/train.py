@@ -1,11 +1,11 @@
-"""Trains the texton network on generated scenes.
+"""Trains the texton network on scenes.
 
     train.py SCENES... --minutes 120 [--resume] [--out run]
 
-SCENES are folders written by `make_exemplars DIR --random N --packed --size 224`. The learning rate
-falls as a cosine over the minutes; `--resume` goes on from the last checkpoint with a new cosine.
-Checkpoints hold the weights, their exponential average (`ema`, the ones to use), the optimiser
-and the step.
+SCENES are folders written by `make_exemplars DIR --random N --packed --size 224` or by `compose.py`; one named twice
+is shown twice as often. The learning rate falls as a cosine over the minutes; `--resume` goes on from the last
+checkpoint with a new cosine. Checkpoints hold the weights, their exponential average (`ema`, the ones to use), the
+optimiser and the step.
 """
 
 import argparse
@@ -196,7 +196,7 @@ def main():
     path = os.path.join(options.out, "checkpoint.pt")
     torch.manual_seed(options.seed)
     net = TextonNet().to(memory_format=torch.channels_last)
-    optimiser = torch.optim.AdamW(net.parameters(), lr=options.rate, weight_decay=1e-4, betas=(0.9, 0.98))
+    optimiser = optimiser_of(net, options.rate)
     average = {k: v.clone() for k, v in net.state_dict().items()}
     step = 0
     if options.resume:
@@ -245,6 +245,10 @@ def main():
             save(path, net, average, optimiser, step)
     save(path, net, average, optimiser, step)
     print("done", step, flush=True)
+
+
+def optimiser_of(net, rate):
+    return torch.optim.AdamW(net.parameters(), lr=rate, weight_decay=1e-4, betas=(0.9, 0.98))
 
 
 def save(path, net, average, optimiser, step):

@@ -1,6 +1,5 @@
 //! Image → masks: candidates for textons. Knows nothing of textons.
 
-#[cfg(feature = "onnx")]
 mod courses;
 mod disjoint;
 mod felzenszwalb;

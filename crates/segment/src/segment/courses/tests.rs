@@ -1,4 +1,5 @@
 use super::*;
+use crate::segment::{Regions, Segmenter};
 use image::Rgb;
 use vtex_base::raster::Span;
 use vtex_base::sampling::stream;
@@ -57,12 +58,8 @@ fn wall() -> (RgbImage, Vec<ScoredMask>) {
     (picture, masks)
 }
 
-#[test]
-fn bricks_of_two_colours_are_one_element_each() {
-    let (picture, patches) = wall();
-    let found = whole_cells(patches.clone(), &picture);
+fn are_bricks(found: &[ScoredMask]) {
     let bricks = bricks();
-    assert!(found.len() < patches.len(), "{} of {}", found.len(), patches.len());
     let iou = |a: &Mask, b: &Mask| {
         let both = f64::from(a.overlap(b));
         both / (f64::from(a.area() + b.area()) - both)
@@ -71,6 +68,18 @@ fn bricks_of_two_colours_are_one_element_each() {
     let count = bricks.iter().filter(whole).count();
     assert!(count * 10 >= bricks.len() * 9, "{count} of {}", bricks.len());
     assert!(found.len() <= bricks.len() + 3, "{} of {}", found.len(), bricks.len());
+}
+
+#[test]
+fn bricks_of_two_colours_are_one_element_each() {
+    let (picture, patches) = wall();
+    assert!(patches.len() > bricks().len() + 3);
+    are_bricks(&whole_cells(patches, &picture));
+}
+
+#[test]
+fn segmenters_give_whole_bricks() {
+    are_bricks(&Regions.segment(&wall().0, &()).unwrap());
 }
 
 #[test]

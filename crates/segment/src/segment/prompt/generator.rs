@@ -6,6 +6,7 @@
 
 use super::proposal::Proposal;
 use super::{Embedded, PromptMask, Prompter};
+use crate::segment::courses::whole_cells;
 use crate::segment::similar::{Measured, SimilarMask, SimilarMasks};
 use crate::segment::{ScoredMask, Segmenter};
 use image::RgbImage;
@@ -20,8 +21,8 @@ pub struct GeneratorParams {
     /// Distance between prompts of the finest grid, in pixels. 1 to 256, default 5 (the paper's 10 000
     /// prompts for 500 × 500 pixels).
     pub spacing: f32,
-    /// Number of grids, each twice as fine as the previous one. Points covered by a confident mask of a
-    /// coarser grid are skipped. 1 to 6, default 3.
+    /// Number of grids, each twice as fine as the previous one. Points covered by a mask of a coarser grid that is confident
+    /// or that many points gave are skipped. 1 to 6, default 3.
     pub levels: u32,
     /// Scales at which the image is shown to the network. Each 0.1 to 8, default 1.
     pub scales: Vec<f32>,
@@ -241,6 +242,9 @@ fn cuts(length: u32, side: u32) -> Vec<(u32, u32)> {
     (0..=count).map(|k| ((u64::from(free) * u64::from(k) / u64::from(count)) as u32, side)).collect()
 }
 
+/// Prompts that give the same mask, from which on no more are made in it, however doubtful it is: large masks cost much.
+const AGREED: u32 = 16;
+
 /// The search of one view.
 struct ViewSearch<'a> {
     params: &'a GeneratorParams,
@@ -281,8 +285,8 @@ impl ViewSearch<'_> {
             if level == 0 {
                 break;
             }
-            let confident: Vec<&Proposal> =
-                self.kept.iter().filter(|p| p.score() >= self.params.confident).collect();
+            let is_known = |p: &&Proposal| p.score() >= self.params.confident || p.votes >= AGREED;
+            let confident: Vec<&Proposal> = self.kept.iter().filter(is_known).collect();
             // Pixels are computed on all threads and stored in the proposals.
             map(&confident, |proposal| {
                 self.mask(proposal);
@@ -391,7 +395,8 @@ impl Segmenter for Generator {
             return Ok(Vec::new());
         }
         let (found, _) = self.find(image, progress)?;
-        Ok(found.into_iter().map(|f| ScoredMask { score: f.score(), mask: f.mask }).collect())
+        let masks = found.into_iter().map(|f| ScoredMask { score: f.score(), mask: f.mask }).collect();
+        Ok(whole_cells(masks, image))
     }
 }
 

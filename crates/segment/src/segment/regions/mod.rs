@@ -18,7 +18,7 @@ pub use features::FEATURES;
 pub(super) use select::worth;
 pub use select::{HIDDEN, Network};
 
-use super::{ScoredMask, Segmenter, disjoint::by_worth, tiles};
+use super::{ScoredMask, Segmenter, courses::whole_cells, disjoint::by_worth, tiles};
 use features::NodeFeatureContext;
 use image::RgbImage;
 use merge_tree::{MergedRegion, PixelSums, Tree, Union};
@@ -212,7 +212,8 @@ impl Segmenter for Regions {
     }
 
     fn segment(&self, image: &RgbImage, progress: &dyn Progress) -> Result<Vec<ScoredMask>> {
-        tiles::segment(image, &|image| search(image, &LAYERS, progress))
+        let masks = tiles::segment(image, &|image| search(image, &LAYERS, progress))?;
+        Ok(whole_cells(masks, image))
     }
 }
 

@@ -27,7 +27,7 @@ const FAR: f32 = -8.0;
 /// Largest mask, in cells, unless a quarter of all cells is more. Larger masks are rejected.
 const MOST_CELLS: usize = 1 << 14;
 /// Weight of the texton logit in a mask's logit, as trained.
-const TEXTON_WEIGHT: f32 = 1.6555;
+const TEXTON_WEIGHT: f32 = 1.5833;
 
 /// The built-in texton network, a promptable network for textures.
 pub struct TextonNetwork {
