@@ -355,8 +355,7 @@ pub mod statistics {
     };
 }
 
-/// Library → scene, in this order: correspondence field, arrangement and density
-/// (`arrange`), background, secondaries, composition.
+/// Library → scene: the method is chosen, it arranges elements, and a scene is composed of them.
 pub mod synth {
     #[doc(inline)]
     pub use vtex_arrange::synth::{

@@ -5,6 +5,11 @@ use crate::pages::{files, read, root};
 use std::collections::BTreeSet;
 use std::path::Path;
 
+/// Crates of a single room, which has its files directly in `src`.
+const OF_ONE_ROOM: [&str; 5] = ["analyze", "cluster", "curves", "studio", "testing"];
+/// In `output`, the table of formats names the writers, and these use what formats have in common.
+const IN_A_CIRCLE: &str = "output";
+
 /// Each module with the modules that it imports.
 type Imports = Vec<(Vec<String>, BTreeSet<Vec<String>>)>;
 
@@ -92,19 +97,20 @@ fn files_of_the_command_line_do_not_import_one_another_in_a_circle() {
 
 #[test]
 fn rooms_of_a_crate_do_not_import_one_another_in_a_circle() {
-    let crates = std::fs::read_dir(root().join("crates")).unwrap();
+    let crates = std::fs::read_dir(root().join("crates")).unwrap().map(|entry| entry.unwrap().path());
     let mut seen = 0;
-    for folder in crates.map(|entry| entry.unwrap().path().join("src")) {
-        let mut found = Vec::new();
+    let left_out = |path: &Path| OF_ONE_ROOM.iter().chain([&IN_A_CIRCLE]).any(|name| path.ends_with(name));
+    for folder in crates.filter(|path| !left_out(path)) {
+        let (folder, mut found) = (folder.join("src"), Vec::new());
         files(&folder, "rs", &mut found);
-        // A crate of a single room has its files directly in `src`.
-        let is_test = |file: &Path| file.ends_with("tests.rs") || file.ends_with("testing.rs");
-        found.retain(|file| !is_test(file) && !file.ends_with("lib.rs"));
         let room = |file: &Path| module_path(&folder, file)[..1].to_vec();
+        let head = read(&folder.join("lib.rs"));
+        let is_test = |file: &Path| {
+            let is_for_tests = head.contains(&format!("#[cfg(test)]\nmod {};", room(file)[0]));
+            is_for_tests || file.ends_with("tests.rs") || file.ends_with("testing.rs")
+        };
+        found.retain(|file| !file.ends_with("lib.rs") && !is_test(file));
         let rooms: BTreeSet<Vec<String>> = found.iter().map(|file| room(file)).collect();
-        if !rooms.iter().all(|room| read(&folder.join("lib.rs")).contains(&format!("pub mod {};", room[0]))) {
-            continue;
-        }
         let imports = |own: &Vec<String>| {
             let of_room = found.iter().filter(|file| room(file) == *own);
             let imports = of_room.flat_map(|file| neighbours(&code(file), own, "crate::", &rooms)).collect();
@@ -114,7 +120,7 @@ fn rooms_of_a_crate_do_not_import_one_another_in_a_circle() {
         assert!(names.is_empty(), "{}: {names:?} import one another in a circle", folder.display());
         seen += rooms.len();
     }
-    assert!(seen > 20, "{seen} rooms");
+    assert!(seen > 30, "{seen} rooms");
 }
 
 #[test]

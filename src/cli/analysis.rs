@@ -294,7 +294,11 @@ fn sam_from(masks: &MasksFrom) -> Option<SamFrom> {
             let any = ModelFolder::open().is_ok_and(|s| s.names().is_ok_and(|names| !names.is_empty()));
             any.then_some(SamFrom::Model(None))
         }
-        _ => None,
+        MasksFrom::File(_)
+        | MasksFrom::Texton
+        | MasksFrom::Regions
+        | MasksFrom::OneTree
+        | MasksFrom::Felzenszwalb => None,
     }
 }
 
@@ -324,7 +328,7 @@ pub(crate) fn finds_masks(masks: &MasksFrom, options: &EngineOptions) -> anyhow:
         (MasksFrom::OneTree, None) => "one-tree".into(),
         (MasksFrom::Felzenszwalb, None) => "felzenszwalb".into(),
         (MasksFrom::File(path), None) => format!("file {}", sums_of_network(path)?.join(" ")),
-        (_, None) => "texton".into(),
+        (MasksFrom::Auto | MasksFrom::Texton | MasksFrom::Sam(_), None) => "texton".into(),
     })
 }
 

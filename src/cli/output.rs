@@ -1,4 +1,7 @@
 //! Places of results: files that are replaced as a whole, or standard output.
+//!
+//! A scene goes from [`Targets`] to each [`Target`], whose [`Destination`] opens the file; into it a [`PreparedFile`] is
+//! written by its format.
 
 use super::foreign::{escaped, escaped_json, styled};
 use super::input::was_read;

@@ -100,7 +100,7 @@ fn loss<'a>(target: &'a Target, origin: &TextureOrigin) -> Option<Loss<'a>> {
     let (old, names) = match target.kind.format {
         Format::Svg => of_svg(path),
         Format::Png => of_png(path),
-        _ => None,
+        Format::Pdf | Format::Scene | Format::Library => None,
     }?;
     let size = old.size.filter(|size| origin.size != Some(*size));
     old.differs(origin).then(|| Loss { path, seed: old.seed, size, names })

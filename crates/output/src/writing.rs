@@ -41,7 +41,7 @@ impl<'a> PreparedFile<'a> {
         };
         let measure = |scene: &Scene, svg: &SvgOptions| {
             let options = WriteOptions { svg: *svg, ..options };
-            let mut out = Sealed::new(StoppableByteCounter { progress, count: 0 });
+            let mut out = Sealed::new(ReportedBytes { progress, count: 0 });
             write(kind, scene, &options, progress, &mut out)?;
             io::Result::Ok(out.finish()?.count)
         };
@@ -155,13 +155,13 @@ impl Serialize for BackgroundChoice {
     }
 }
 
-/// Counts bytes, and stops if asked to.
-struct StoppableByteCounter<'a> {
+/// Where bytes are counted and reported, until the user stops.
+struct ReportedBytes<'a> {
     progress: &'a dyn Progress,
     count: u64,
 }
 
-impl Write for StoppableByteCounter<'_> {
+impl Write for ReportedBytes<'_> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         vtex_base::progress::advance(self.progress, "writing", self.count, 0)?;
         self.count += bytes.len() as u64;

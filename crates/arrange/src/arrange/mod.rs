@@ -5,8 +5,8 @@
 //! descriptors begin with the carried elements. Then coverage is corrected in both directions ([`density`]),
 //! whichever method placed the elements. [`period`] is a method of its own: it needs no field and no model.
 //!
-//! Synthesis, warp and the search of weights call [`arrange`]. They use the [`PlacedElement`] elements, the cells
-//! that these leave free, and the field if there is one.
+//! Synthesis, warp and the search of weights call [`arrange`]. They use the placed elements ([`PlacedElement`]), the
+//! cells that these leave free, and the field if there is one.
 
 mod bins;
 mod choice;

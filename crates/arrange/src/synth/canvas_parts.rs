@@ -72,11 +72,11 @@ impl CanvasParts {
     ///
     /// # Errors
     /// As [`Texture::made`].
-    pub(super) fn made(&self, plan: &Plan<'_>, progress: &dyn Progress) -> Result<(Scene, SynthReport)> {
+    pub(super) fn joined(&self, plan: &Plan<'_>, progress: &dyn Progress) -> Result<(Scene, SynthReport)> {
         let mut whole = JoinedScene { scene: compose::blank(plan, Vec::new()), map: &self.map };
         let mut reports = Vec::new();
         for part in &self.parts {
-            let (scene, report) = part.texture.made(progress)?;
+            let (scene, report) = part.texture.scene(progress)?;
             // A texture that repeats its period exactly may be cut; others keep elements whole.
             let still = scene.parameters.as_ref().is_some_and(|p| p.variation == Some(0.0));
             let is_cut = still && report.period.is_some();

@@ -25,7 +25,8 @@ pub(super) trait PlacementMethod {
     where
         Self: Sized;
 
-    /// Arranges elements.
+    /// Arranges elements. The plan is that of `fits`, but its canvas may have been fitted to periods, and its context
+    /// cleared.
     ///
     /// # Errors
     /// Those of the method, and of `progress`.

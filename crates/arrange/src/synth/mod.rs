@@ -1,5 +1,6 @@
 //! Library → scene. What is made of what, and by which method, is decided once (`texture`); the method arranges elements
-//! (`methods`); a scene is composed of them (`compose`).
+//! (`methods`); a scene is composed of them (`compose`). It refers to the libraries in their order, then to that of a drawing
+//! that stays.
 //!
 //! Works badly for exemplars with long curves, which islands cut, and for exemplars with too few whole
 //! elements, whose copies are seen.
@@ -93,7 +94,7 @@ pub fn synthesize_with(
     controls: &Controls,
     progress: &dyn Progress,
 ) -> Result<(Scene, SynthReport)> {
-    made(libraries, params, controls, None, progress)
+    synthesized(libraries, params, controls, None, progress)
 }
 
 /// What a synthesis leaves for the next one from the same libraries; see [`synthesize_again`].
@@ -113,10 +114,10 @@ pub fn synthesize_again(
     memory: &SynthesisMemory,
     progress: &dyn Progress,
 ) -> Result<(Scene, SynthReport)> {
-    made(libraries, params, controls, Some(&memory.0), progress)
+    synthesized(libraries, params, controls, Some(&memory.0), progress)
 }
 
-fn made(
+fn synthesized(
     libraries: &[Library],
     params: &SynthParams,
     controls: &Controls,
@@ -124,5 +125,5 @@ fn made(
     progress: &dyn Progress,
 ) -> Result<(Scene, SynthReport)> {
     let kept = excluding(libraries, &params.exclude, progress).map_or(Cow::Borrowed(libraries), Cow::Owned);
-    Texture::new(kept, params.clone(), Cow::Borrowed(controls), memory, progress)?.made(progress)
+    Texture::new(kept, params.clone(), Cow::Borrowed(controls), memory, progress)?.scene(progress)
 }

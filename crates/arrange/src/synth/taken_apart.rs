@@ -7,7 +7,7 @@ use vtex_base::geometry::{Affine, rounded};
 use vtex_scene::library::{ElementId, Library};
 use vtex_scene::scene::LibraryId;
 
-/// An arrangement of units as one of the drawing's elements.
+/// What was placed as motif units, as elements of the drawing.
 pub(super) fn taken_apart(units: &MotifUnits, library: &Library, whole: Arranged<'_>) -> Arranged<'static> {
     let origin = |library: &Library, k: usize| {
         let [x, y] = library.elements[k].origin().map(f64::from);

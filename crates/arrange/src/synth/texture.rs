@@ -65,6 +65,7 @@ impl<'a> Texture<'a> {
             libraries = Cow::Owned(vec![stretch.stretched(&libraries[0])]);
         }
         let page = libraries[0].page();
+        // From here on libraries are those of the plan, in pixels.
         let mut units = Units::of(&libraries, &asked);
         let mut plan = Plan { libraries, controls: controls.clone(), params: asked.clone(), memory };
         if let Some(units) = &units {
@@ -99,14 +100,14 @@ impl<'a> Texture<'a> {
     ///
     /// # Errors
     /// Those of the method, and of `progress`.
-    pub(super) fn made(&self, progress: &dyn Progress) -> Result<(Scene, SynthReport)> {
+    pub(super) fn scene(&self, progress: &dyn Progress) -> Result<(Scene, SynthReport)> {
         let Self { plan, asked, .. } = self;
         let made = match &self.making {
             Making::Whole(method) => {
                 let arranged = method.arrange(plan, progress);
                 arranged.and_then(|arranged| arranged.composed(plan, progress)).map_err(|e| self.named(e))
             }
-            Making::Parts(parts) => parts.made(plan, progress),
+            Making::Parts(parts) => parts.joined(plan, progress),
         };
         let mut made = made.map_err(|error| Units::error(self.units.as_ref(), error, asked))?;
         if let Some(units) = &self.units {

@@ -462,16 +462,6 @@ impl Scene {
         &self.elements[instance.element.index()]
     }
 
-    /// The first layer of a role, appended empty if there is none.
-    pub fn layer_mut(&mut self, role: Role) -> &mut Layer {
-        let known = self.layers.iter().position(|layer| layer.role == role);
-        let index = known.unwrap_or_else(|| {
-            self.layers.push(Layer::new(role));
-            self.layers.len() - 1
-        });
-        &mut self.layers[index]
-    }
-
     /// Adds an element. Returns its index.
     pub fn add(&mut self, element: Element) -> ElementId {
         self.elements.push(element);
