@@ -197,7 +197,7 @@ def depth(label):
 
 
 def whole(label):
-    """Connected parts, each with a label of its own; crumbs are ground."""
+    """Gives each connected part its own label. Crumbs become ground."""
     index = np.arange(label.size).reshape(label.shape)
     across, down = label[:, 1:] == label[:, :-1], label[1:] == label[:-1]
     a = np.concatenate([index[:, 1:][across], index[1:][down]])

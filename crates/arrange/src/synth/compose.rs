@@ -32,8 +32,8 @@ pub(crate) struct Placement<'a> {
 
 /// The content of a placement.
 pub(crate) enum What<'a> {
-    /// An element of the plan's libraries (of motifs as wholes until they are taken apart), in a colour of its own or in
-    /// the element's.
+    /// An element of the plan's libraries, with another colour if it has one. Until motifs are taken apart, each is one
+    /// element.
     Known(LibraryId, ElementId, Option<Colour>),
     /// An element made for this scene.
     Made(Box<Element>),

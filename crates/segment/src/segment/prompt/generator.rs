@@ -242,7 +242,7 @@ fn cuts(length: u32, side: u32) -> Vec<(u32, u32)> {
     (0..=count).map(|k| ((u64::from(free) * u64::from(k) / u64::from(count)) as u32, side)).collect()
 }
 
-/// Prompts that give the same mask, from which on no more are made in it, however doubtful it is: large masks cost much.
+/// A mask that so many prompts gave gets no further ones, even if it is doubtful. Large masks take long to compute.
 const AGREED: u32 = 16;
 
 /// The search of one view.
@@ -286,12 +286,12 @@ impl ViewSearch<'_> {
                 break;
             }
             let is_known = |p: &&Proposal| p.score() >= self.params.confident || p.votes >= AGREED;
-            let confident: Vec<&Proposal> = self.kept.iter().filter(is_known).collect();
+            let known: Vec<&Proposal> = self.kept.iter().filter(is_known).collect();
             // Pixels are computed on all threads and stored in the proposals.
-            map(&confident, |proposal| {
+            map(&known, |proposal| {
                 self.mask(proposal);
             });
-            confident.iter().for_each(|proposal| explained.fill(self.mask(proposal), 1));
+            known.iter().for_each(|proposal| explained.fill(self.mask(proposal), 1));
         }
         Ok(())
     }

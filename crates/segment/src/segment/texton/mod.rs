@@ -54,7 +54,7 @@ const SAME_IOU: f32 = 0.9;
 /// Lower bound of a candidate's score, as a share of the region tree's own score. It helps in
 /// photographs unlike any generated scene, where the network fails.
 const REGION_SHARE: f32 = 0.4;
-/// Weight of the network's own estimate beside the judge's. The judge has seen few photographs.
+/// Weight of the network's own estimate beside the judge's. The judge was fitted to no labelled photograph.
 const OWN_WEIGHT: f32 = 0.1;
 
 /// The texton segmenter. Its masks are disjoint and 4-connected.
