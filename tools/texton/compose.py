@@ -129,8 +129,8 @@ def courses(rng):
 
 def stones(rng):
     """Stones of one or very different sizes, side by side or with joints: cells of a power diagram."""
-    size, spread = np.exp(rng.uniform(np.log(9), np.log(55))), rng.choice([0.1, 0.3, 0.6, 0.9])
-    count = int(min(900, 1.15 * (SIDE + 60) ** 2 / (np.pi * size**2 * np.exp(spread**2) / 3.2)) + 4)
+    size, spread = np.exp(rng.uniform(np.log(5), np.log(55))), rng.choice([0.1, 0.3, 0.6, 0.9])
+    count = int(min(1500, 1.15 * (SIDE + 60) ** 2 / (np.pi * size**2 * np.exp(spread**2) / 3.2)) + 4)
     radii = np.sort(size * np.exp(spread * rng.normal(size=count)))[::-1]
     middles = np.zeros((0, 2))
     for k in range(count):
@@ -156,8 +156,8 @@ def stones(rng):
     label = np.where(depth(label) > rng.choice([0, 0, 0.6, 1.2, 2, 3]), label, 0).astype(np.uint16)
     if rng.random() < 0.6:
         label = rounded(label, rng)
-    if rng.random() < 0.25:
-        gone = rng.random(count + 1) < rng.uniform(0.1, 0.5)
+    if rng.random() < 0.35:
+        gone = rng.random(count + 1) < rng.uniform(0.1, 0.8)
         label[gone[label]] = 0
     return whole(label)
 

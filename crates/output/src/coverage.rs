@@ -1,6 +1,6 @@
 //! Scene → the coverage of the canvas by the elements of each category.
 
-use super::png::{ClipRegion, path_of};
+use super::paths::{ClipRegion, path_of};
 use std::collections::BTreeMap;
 use tiny_skia::{Color, FillRule, Paint, Path, PixmapMut, Transform};
 use vtex_base::geometry::{Affine, Rect};

@@ -15,6 +15,7 @@ mod coverage;
 pub mod file;
 pub mod formats;
 pub mod layer_map;
+mod paths;
 pub mod pdf;
 pub mod png;
 pub mod raster_animation;

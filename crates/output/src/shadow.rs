@@ -4,7 +4,7 @@
 //! found at sub-pixel precision. Whatever the shape, they are those of a real blur: corners are rounded, gaps
 //! and holes close. All formats paint the same outlines.
 
-use super::png::path_of;
+use super::paths::path_of;
 use std::collections::BTreeMap;
 use tiny_skia::{FillRule, Mask, Transform};
 use vtex_base::geometry::{Affine, FittedMap, Outline, PlanarMap, Point, Scale, Vec2};
