@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 /// Crates of a single room, which has its files directly in `src`.
-const OF_ONE_ROOM: [&str; 5] = ["analyze", "cluster", "curves", "studio", "testing"];
+const OF_ONE_ROOM: [&str; 4] = ["cluster", "curves", "studio", "testing"];
 
 /// Each module with the modules that it imports.
 type Imports = Vec<(Vec<String>, BTreeSet<Vec<String>>)>;

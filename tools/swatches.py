@@ -19,6 +19,7 @@ Columns of the table, for the texture without --tile unless stated otherwise:
   disc as wide as its lines
 * sizes: largest difference between the distributions of the areas of pieces (Kolmogorov-Smirnov, 0 to 1)
 * nearest: median distance to the nearest piece, divided by that of the swatch
+* hole, room: largest distance from ink, and the 99th percentile over the page; both divided by those of the swatch
 * ends: ends of the centre lines of ink per 100 units of centre line, of the swatch and of the texture
 * seam: difference across the border of the tile, divided by the median difference of neighbouring rows or columns;
   rank is the share of these that differ at least as much, so a seam is visible if seam is large and rank is near 0
@@ -272,6 +273,24 @@ def seam(picture: Floats) -> tuple[float, float]:
     return min(found, key=lambda pair: (pair[1], -pair[0]))
 
 
+def holes(inked: Mask) -> tuple[float, float]:
+    """Largest distance from ink in pixels, and the 99th percentile over the page, where no nearer ink can be beyond it.
+
+    >>> page = np.zeros((100, 100), bool)
+    >>> page[::10, ::10] = True
+    >>> found = holes(page)
+    >>> page[50, 50] = False
+    >>> round(found[0], 2), holes(page)[0], holes(page)[1] < 7.2
+    (7.07, 10.0, True)
+    """
+    distances = ndimage.distance_transform_edt(~inked)
+    height, width = inked.shape
+    y, x = np.ogrid[:height, :width]
+    to_border = np.minimum(np.minimum(y, height - 1 - y), np.minimum(x, width - 1 - x))
+    known = distances[distances <= to_border]
+    return (float(known.max()), float(np.percentile(known, 99))) if inked.any() and known.size else (0.0, 0.0)
+
+
 def speck_limit(elements: Elements, width: float) -> float:
     """Area below which a piece is a speck, given the pieces and the width of the lines of the swatch.
 
@@ -314,6 +333,8 @@ def compare(swatch: Floats, texture: Floats, unit: float) -> dict[str, float | N
     before, after = (elements.chosen(elements.areas >= limit) for elements in all_elements)
     nearest = before.nearest(), after.nearest()
     inks = ink(swatch, ground), ink(texture, ground)
+    # The page of a swatch repeats.
+    (hole, room), (own_hole, own_room) = holes(covers[1] > INK_SHARE), holes(np.tile(covers[0] > INK_SHARE, (3, 3)))
     ends = [100 * ends * unit / length if length else 0 for ends, length, _ in lines]
     return {
         "ink_swatch": inks[0],
@@ -323,6 +344,8 @@ def compare(swatch: Floats, texture: Floats, unit: float) -> dict[str, float | N
         "specks": specks,
         "sizes": distribution_distance(before, after),
         "nearest": nearest[1] / nearest[0] if nearest[0] and nearest[1] else None,
+        "hole": hole / own_hole if own_hole else None,
+        "room": room / own_room if own_room else None,
         "ends_swatch": ends[0],
         "ends_texture": ends[1],
     }
@@ -433,6 +456,8 @@ COLUMNS: list[tuple[str, str, str, float]] = [
     ("specks", "specks", "d", 1),
     ("sizes", "sizes", ".2f", 1),
     ("nearest", "nearest", ".2f", 1),
+    ("hole", "hole", ".2f", 1),
+    ("room", "room", ".2f", 1),
     ("ends", "ends_swatch", ".2f", 1),
     ("texture", "ends_texture", ".2f", 1),
     ("seam", "seam", ".1f", 1),

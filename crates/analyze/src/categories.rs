@@ -1,14 +1,11 @@
 //! Categories of primaries: kinds that the eye tells apart, or k-means over colour, area and compactness. Neither
 //! depends on the seed of the analysis, so that names and numbers in scripts stay valid.
 
-use super::kinds::kinds;
+use super::kinds::{Features, kinds};
 use std::cmp::Ordering;
 use vtex_base::kmeans;
 use vtex_base::sampling::stream;
 use vtex_scene::library::{Categories, Category, CategoryId};
-
-/// Red, green, blue (0 to 255), area (px), Polsby–Popper compactness (0 to 1).
-pub(super) type Features = [f64; 5];
 
 /// Colours count twice as much as area and compactness (paper §3.1.3).
 const WEIGHTS: Features = [2.0, 2.0, 2.0, 1.0, 1.0];

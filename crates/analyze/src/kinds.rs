@@ -8,9 +8,11 @@
 //!
 //! Works badly for small distinct kinds: those with less than a fiftieth of the weight join what they resemble.
 
-use super::categories::Features;
 use vtex_base::raster::colour::Colour;
 use vtex_base::symmetric::Symmetric;
+
+/// Red, green, blue (0 to 255), area (px), Polsby–Popper compactness (0 to 1).
+pub(super) type Features = [f64; 5];
 
 /// Lightness, the two axes of Oklab, logarithm of the area, compactness.
 type Look = [f64; 5];

@@ -46,11 +46,12 @@ pub use vtex_scene::library::AnalyzeParams;
 use grid::Cells;
 use image::RgbImage;
 use light::Light;
-use memory::{ElementsMemory, KnownParts, LatticeMemory, LayersMemory};
+use memory::{ElementsMemory, LatticeMemory};
 use partition::{Elements, Partition};
 use rate_distortion::RateDistortion;
+use shading::KnownParts;
 use shapes::ExemplarPieces;
-use strata::PhotographStrata;
+use strata::{LayersMemory, PhotographStrata};
 use vtex_base::document::Document as _;
 use vtex_base::error::Result;
 use vtex_base::parallel;
@@ -315,7 +316,7 @@ fn categorise(
         let [r, g, b] = p.colour.to_f64();
         [r, g, b, f64::from(p.area), p.compactness.unwrap_or(0.0)]
     };
-    let features: Vec<categories::Features> = primaries.iter().map(features).collect();
+    let features: Vec<kinds::Features> = primaries.iter().map(features).collect();
     let image_area = f64::from(labels.width) * f64::from(labels.height);
     let names: Vec<&str> = given.iter().map(|category| &category.name[..]).collect();
     let masks = if given.is_empty() { Vec::new() } else { Mask::all_of_labels(labels, primaries.len() + 1) };

@@ -6,15 +6,13 @@
 //! elements near that mask are divided and shaded again.
 
 use super::grid::Cells;
-use super::partition::Partition;
-use super::shading::Shaded;
+use super::partition::{EnlargedMemory, Partition};
+use super::shading::ElementParts;
+use super::strata::LayersMemory;
 use image::RgbImage;
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use vtex_base::error::Result;
-use vtex_base::progress::Progress;
 use vtex_base::raster::{Mask, Span};
-use vtex_field::layers::LayerSearch;
 use vtex_scene::lattice::{self, Lattice};
 use vtex_scene::library::AnalyzeParams;
 
@@ -29,49 +27,6 @@ pub struct AnalysisMemory {
     pub(super) elements: ElementsMemory,
 }
 
-/// The enlarged photograph, and what it was made of: the photograph, and the number of cells along a pixel.
-#[derive(Default)]
-pub(super) struct EnlargedMemory(Option<(RgbImage, u32, Cells<RgbImage>)>);
-
-impl EnlargedMemory {
-    /// The photograph with so many cells along a pixel, which `enlarge` makes.
-    pub(super) fn of(
-        &mut self,
-        image: &RgbImage,
-        cells: u32,
-        enlarge: impl FnOnce() -> Cells<RgbImage>,
-    ) -> &Cells<RgbImage> {
-        let is_same =
-            |(known, count, _): &(RgbImage, u32, Cells<RgbImage>)| *count == cells && known == image;
-        let kept = self.0.take().filter(is_same);
-        &self.0.insert(kept.unwrap_or_else(|| (image.clone(), cells, enlarge()))).2
-    }
-}
-
-/// The search for layers, and what it was made of: the photograph, and a seed.
-#[derive(Default)]
-pub(super) struct LayersMemory(Option<(RgbImage, u64, LayerSearch)>);
-
-impl LayersMemory {
-    /// The search in a photograph.
-    ///
-    /// # Errors
-    /// [`vtex_base::Error::Interrupted`].
-    pub(super) fn of(
-        &mut self,
-        image: &RgbImage,
-        seed: u64,
-        progress: &dyn Progress,
-    ) -> Result<&LayerSearch> {
-        let is_same = |(known, of, _): &(RgbImage, u64, LayerSearch)| *of == seed && known == image;
-        let kept = match self.0.take().filter(is_same) {
-            Some(kept) => kept,
-            None => (image.clone(), seed, LayerSearch::new(image, seed, progress)?),
-        };
-        Ok(&self.0.insert(kept).2)
-    }
-}
-
 /// The lattice of a photograph.
 #[derive(Default)]
 pub(super) struct LatticeMemory(Option<(RgbImage, Option<Lattice>)>);
@@ -82,16 +37,6 @@ impl LatticeMemory {
         self.0.insert(kept.unwrap_or_else(|| (image.clone(), lattice::find(image, false)))).1.clone()
     }
 }
-
-/// What an element was divided into.
-pub(super) struct ElementParts {
-    pub(super) details: Vec<Cells<Mask>>,
-    /// Its pieces with what shades them, if elements are shaded softly.
-    pub(super) shaded: Option<Shaded>,
-}
-
-/// For each primary its parts, if they are known from the last analysis.
-pub(super) type KnownParts = [Option<Arc<ElementParts>>];
 
 /// The parts of elements, by their masks, and what else they were made of.
 #[derive(Default)]

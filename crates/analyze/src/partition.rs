@@ -2,7 +2,6 @@
 
 use super::grid::{Cells, SubpixelGrid};
 use super::margin::Margin;
-use super::memory::EnlargedMemory;
 use super::unmix::unmixed;
 use super::{Exemplar, candidates, secondaries};
 use image::RgbImage;
@@ -36,6 +35,25 @@ pub(super) struct Partition<'a> {
     cut: Vec<u32>,
     /// Small patches between primaries.
     pub(super) patches: Vec<Cells<Mask>>,
+}
+
+/// The enlarged photograph, and what it was made of: the photograph, and the number of cells along a pixel.
+#[derive(Default)]
+pub(super) struct EnlargedMemory(Option<(RgbImage, u32, Cells<RgbImage>)>);
+
+impl EnlargedMemory {
+    /// The photograph with so many cells along a pixel, which `enlarge` makes.
+    pub(super) fn of(
+        &mut self,
+        image: &RgbImage,
+        cells: u32,
+        enlarge: impl FnOnce() -> Cells<RgbImage>,
+    ) -> &Cells<RgbImage> {
+        let is_same =
+            |(known, count, _): &(RgbImage, u32, Cells<RgbImage>)| *count == cells && known == image;
+        let kept = self.0.take().filter(is_same);
+        &self.0.insert(kept.unwrap_or_else(|| (image.clone(), cells, enlarge()))).2
+    }
 }
 
 /// The elements made from the pieces.

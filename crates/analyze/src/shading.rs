@@ -2,11 +2,11 @@
 
 use super::grid::{Cells, SubpixelGrid};
 use super::joining;
-use super::memory::KnownParts;
 use super::partition::Partition;
 use super::pursuit::{PaintedWindow, ROUNDS, Rules, Shade};
 use super::rate_distortion::RateDistortion;
 use image::RgbImage;
+use std::sync::Arc;
 use vtex_base::error::Result;
 use vtex_base::parallel;
 use vtex_base::progress::Progress;
@@ -55,6 +55,16 @@ impl Shaded {
         Ok(Self { cost: window.error() + price * bytes, details, shades })
     }
 }
+
+/// What an element was divided into.
+pub(super) struct ElementParts {
+    pub(super) details: Vec<Cells<Mask>>,
+    /// Its pieces with what shades them, if elements are shaded softly.
+    pub(super) shaded: Option<Shaded>,
+}
+
+/// For each primary its parts, if they are known from the last analysis.
+pub(super) type KnownParts = [Option<Arc<ElementParts>>];
 
 /// Pieces and soft ellipses of each element: as few pieces as their edges need, or one, whichever is cheaper. Those
 /// that are known are taken over.

@@ -3,14 +3,14 @@
 use super::grid::Cells;
 use super::ground::{Ground, STAGE};
 use super::joining;
-use super::memory::{ElementParts, ElementsMemory, KnownParts};
+use super::memory::ElementsMemory;
 use super::painted::PaintedPicture;
 use super::palette::Palette;
 use super::partition::Partition;
 use super::patches::{self, FlatPatch};
 use super::pursuit::Shade;
 use super::rate_distortion::RateDistortion;
-use super::shading::{self, Shaded};
+use super::shading::{self, ElementParts, KnownParts, Shaded};
 use super::shapes::ExemplarPieces;
 use super::strata::BehindElements;
 use image::RgbImage;

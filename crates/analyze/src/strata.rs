@@ -5,8 +5,8 @@
 //! own pixels, and elements are sought on the background of the stratum that they lie in.
 
 use super::margin::Margin;
-use super::memory::LayersMemory;
 use super::{Exemplar, background};
+use image::RgbImage;
 use vtex_base::error::Result;
 use vtex_base::parallel;
 use vtex_base::progress::Progress;
@@ -16,6 +16,30 @@ use vtex_scene::element::ElementId;
 use vtex_scene::library::{AnalyzeParams, ExemplarElement, ExemplarInstance, ExemplarLayer, Role};
 use vtex_scene::scene::field::Interpolant;
 use vtex_scene::scene::{Field, Tile, pixels};
+
+/// The search for layers, and what it was made of: the photograph, and a seed.
+#[derive(Default)]
+pub(super) struct LayersMemory(Option<(RgbImage, u64, LayerSearch)>);
+
+impl LayersMemory {
+    /// The search in a photograph.
+    ///
+    /// # Errors
+    /// [`vtex_base::Error::Interrupted`].
+    pub(super) fn of(
+        &mut self,
+        image: &RgbImage,
+        seed: u64,
+        progress: &dyn Progress,
+    ) -> Result<&LayerSearch> {
+        let is_same = |(known, of, _): &(RgbImage, u64, LayerSearch)| *of == seed && known == image;
+        let kept = match self.0.take().filter(is_same) {
+            Some(kept) => kept,
+            None => (image.clone(), seed, LayerSearch::new(image, seed, progress)?),
+        };
+        Ok(&self.0.insert(kept).2)
+    }
+}
 
 /// The layers of a photograph.
 pub(super) struct PhotographStrata {

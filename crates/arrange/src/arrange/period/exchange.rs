@@ -1,7 +1,8 @@
-//! Elements of a drawing exchange places, move at random, and then move away from their neighbours. No two come
-//! nearer to each other than elements of the exemplar.
+//! Elements of a drawing move at random, then apart until they are spread as evenly as in the drawing, and exchange
+//! places. No two come nearer to each other than elements of the exemplar.
 
 use super::canvas::OccupiedCanvas;
+use super::spread::Spread;
 use crate::arrange::motifs::DrawnElement;
 use std::f64::consts::TAU;
 use vtex_base::error::Result;
@@ -22,8 +23,8 @@ const WALKS: usize = 6;
 const STEPS: usize = 3;
 /// Lengths of a step of a walk, in units of [`FARTHEST`].
 const STRIDES: [f64; 3] = [1.0, 2.0, 4.0];
-/// Rounds in which elements move away from their neighbours.
-const SEPARATIONS: usize = 4;
+/// Most rounds in which elements move apart.
+const ROUNDS: usize = 8;
 /// Places tried for an element in each.
 const SHIFTS: usize = 8;
 /// Largest single shift, as a share of the mean distance between elements.
@@ -83,30 +84,41 @@ impl OccupiedCanvas<'_> {
             (0..placed.len()).filter(|&i| self.relations.free[placed[i].element]).collect();
         moving.retain(|_| random.unit() < share);
         random.shuffle(&mut moving);
+        let spread_of = |canvas: &Self, placed: &[DrawnElement]| {
+            let places = placed.iter().map(|p| canvas.centre(p)).collect();
+            let spacing = canvas.relations.spacing;
+            Spread::new(places, canvas.periods(), spacing, std::f64::consts::SQRT_2 * FARTHEST * spacing)
+        };
+        // Elements at the border of the canvas move only once, at the end, because their visible part changes.
+        let (inner, border): (Vec<usize>, Vec<usize>) =
+            moving.iter().partition(|&&i| self.zone(&placed[i]) == 0);
+        let drawn = spread_of(self, placed).loads(&inner);
         for _ in 0..WALKS {
-            for &i in &moving {
+            for &i in &inner {
                 go_on()?;
                 self.walk(placed, i, share, &mut random);
             }
         }
-        for _ in 0..SEPARATIONS {
-            for &i in &moving {
-                go_on()?;
-                // Elements at the border of the canvas move only once, at the end, because their visible part
-                // changes.
-                if self.zone(&placed[i]) == 0 {
-                    self.separate(placed, i, share, &mut random);
-                }
+        let mut spread = spread_of(self, placed);
+        for _ in 0..ROUNDS {
+            if spread.loads(&inner) <= drawn {
+                break;
             }
+            for &i in &inner {
+                go_on()?;
+                self.move_apart(placed, &mut spread, i, share, &mut random);
+            }
+            spread = spread.settled();
         }
         let mut sites = self.sites(placed, &moving);
         for n in 0..moving.len() {
             go_on()?;
             self.exchange(placed, &mut sites, n, &mut random);
         }
-        for &i in &moving {
+        let mut spread = spread_of(self, placed);
+        for &i in &border {
             go_on()?;
-            self.separate(placed, i, share, &mut random);
+            self.move_apart(placed, &mut spread, i, share, &mut random);
         }
         Ok(())
     }
@@ -185,13 +197,9 @@ impl OccupiedCanvas<'_> {
     }
 
     /// Moves an element within the canvas by a step of a random walk. Large elements find no partner to exchange
-    /// places with, and leave the place of the period in this way. Elements at the border do not move, because
-    /// the coverage of their category would change.
+    /// places with, and leave the place of the period in this way.
     fn walk(&mut self, placed: &mut [DrawnElement], i: usize, share: f64, random: &mut Stream) {
         let old = placed[i];
-        if self.zone(&old) != 0 {
-            return;
-        }
         self.write(&old, 0, i as u32 + 1);
         let centre = self.centre(&old);
         // Elements as far apart as in the drawing neither crowd nor leave gaps.
@@ -208,26 +216,35 @@ impl OccupiedCanvas<'_> {
         self.write(&placed[i].clone(), i as u32 + 1, 0);
     }
 
-    /// Moves an element to a nearby place that is farther from others, if one is found, turned by an angle at
-    /// which equal elements occur.
-    fn separate(&mut self, placed: &mut [DrawnElement], i: usize, share: f64, random: &mut Stream) {
+    /// Moves an element to a nearby place on which the others weigh less and which is no nearer to one of them, if such a
+    /// place is found, turned by an angle at which equal elements occur.
+    fn move_apart(
+        &mut self,
+        placed: &mut [DrawnElement],
+        spread: &mut Spread,
+        i: usize,
+        share: f64,
+        random: &mut Stream,
+    ) {
         let old = placed[i];
         self.write(&old, 0, i as u32 + 1);
         let (centre, zone) = (self.centre(&old), self.zone(&old));
-        let mut kept = self.clearances(&old);
+        let mut least = spread.load(i, centre);
+        let clearance = CLEARANCES[self.clearances(&old).saturating_sub(1)];
         for _ in 0..SHIFTS {
-            let by = self.step(share, random);
-            let new = self.moved_to(&old, centre + by, random);
-            if kept == CLEARANCES.len() || self.zone(&new) != zone {
+            let place = centre + self.step(share, random);
+            let load = spread.load(i, place);
+            if load >= least {
                 continue;
             }
-            // The next clearance is the likeliest to fail, so it is tested first.
-            if CLEARANCES[..=kept].iter().rev().all(|c| self.fits(&new, *c)) {
+            let new = self.moved_to(&old, place, random);
+            if self.zone(&new) == zone && self.fits(&new, clearance) {
                 placed[i] = new;
-                kept += 1;
+                least = load;
             }
         }
         self.write(&placed[i].clone(), i as u32 + 1, 0);
+        spread.set(i, self.centre(&placed[i]));
     }
 
     /// Number of clearances that an element has at its place.

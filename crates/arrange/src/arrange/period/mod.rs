@@ -2,11 +2,11 @@
 //! and turned.
 //!
 //! A regular or interlocking drawing is repeated exactly. In a loose one, elements that touch no other are free
-//! to move: they exchange places with others of similar size, move and turn, as long as no two come nearer to
-//! each other than elements of the drawing. Similar elements are kept apart. The number of elements stays, and
-//! the area by category nearly so: elements at the border of the canvas hardly move. Elements that are equal up
-//! to rotation, reflection and size are one element of the scene. Motifs take part as wholes; then their parts
-//! move as far as the drawing's own copies of the motif differ.
+//! to move: they walk and turn at random, move apart until they are spread as evenly as in the drawing, and exchange
+//! places with others of similar size. No two come nearer to each other than elements of the drawing. Similar
+//! elements are kept apart. The number of elements stays, and the area by category nearly so: elements at the border
+//! of the canvas hardly move. Elements that are equal up to rotation, reflection and size are one element of the
+//! scene. Motifs take part as wholes; then their parts move as far as the drawing's own copies of the motif differ.
 //!
 //! Where nothing has room to move, elements of one shape in several colours change places ([`alike`]).
 //!
@@ -18,6 +18,7 @@ mod exchange;
 mod order;
 mod parts;
 mod relations;
+mod spread;
 #[cfg(test)]
 mod tests;
 

@@ -60,7 +60,7 @@ fn changing_places_stops_wherever_it_is_asked_to() {
     let library = drawing();
     let params = SynthParams { width: 320, height: 320, variation: Some(1.0), ..SynthParams::default() };
     let free = ElementRelations::new(&library).free.iter().filter(|f| **f).count();
-    // Each element walks six times, is separated five times, and is exchanged.
+    // Each element walks six times, moves apart at least once, and is exchanged.
     vtex_testing::StopAfter::check(4 * free, |progress| place(&library, &params, progress));
 }
 
