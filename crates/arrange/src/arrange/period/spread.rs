@@ -4,6 +4,8 @@ use vtex_base::geometry::{NearPoints, Point, shortest_offset};
 
 /// Distance up to which elements weigh on one another, in units of the mean distance between elements.
 const REACH: f64 = 2.0;
+/// Most elements around a place that are looked at, five times the usual number. It bounds the work on crowds.
+const MOST_AROUND: usize = 256;
 
 /// The places of elements, and how far they may be from those by which they are found.
 pub(super) struct Spread {
@@ -12,6 +14,7 @@ pub(super) struct Spread {
     periods: [Option<f64>; 2],
     /// Distance up to which elements weigh on one another, in pixels.
     reach: f64,
+    /// Farthest that a place may be from that by which it is found, in pixels.
     farthest: f64,
 }
 
@@ -37,12 +40,16 @@ impl Spread {
     /// What all others weigh on an element if it is at `place`: each from 1 at the same place to 0 out of reach, by
     /// Wendland's function. Its Fourier transform is positive, so that no clumps have the least weight.
     pub(super) fn load(&self, element: usize, place: Point) -> f64 {
-        let mut load = 0.0;
-        self.near.each(place, |other| {
+        let (mut load, mut left) = (0.0, MOST_AROUND);
+        self.near.each_while(place, |other| {
             if other != element {
                 let apart = shortest_offset(place, self.places[other], self.periods).hypot() / self.reach;
-                load += (1.0 - apart).max(0.0).powi(4) * (1.0 + 4.0 * apart);
+                let rest = (1.0 - apart).max(0.0);
+                let square = rest * rest;
+                load += square * square * (1.0 + 4.0 * apart);
             }
+            left -= 1;
+            left > 0
         });
         load
     }
