@@ -262,7 +262,7 @@ def fill(image, label, materials, light, rng):
     scatter = rng.choice([0.02, 0.05, 0.1, 0.16])
     stained, two_toned, shiny = rng.random() < 0.4, rng.random() < 0.18, rng.random() < 0.15
     for value, box in enumerate(ndimage.find_objects(label.astype(np.int32)), 1):
-        if box is None:
+        if box is None:  # a number without pixels
             continue
         mask = label[box] == value
         levels, tint = families[rng.integers(len(families))]

@@ -42,7 +42,7 @@ pub(super) struct Partition<'a> {
 pub(super) struct EnlargedMemory(Option<(RgbImage, u32, Cells<RgbImage>)>);
 
 impl EnlargedMemory {
-    /// The photograph with so many cells along a pixel, which `enlarge` makes.
+    /// The photograph with `cells` cells along a pixel. If it is not known, `enlarge` makes it.
     pub(super) fn of(
         &mut self,
         image: &RgbImage,

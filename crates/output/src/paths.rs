@@ -25,7 +25,7 @@ pub(super) fn path_of(outline: &Outline) -> Option<tiny_skia::Path> {
 pub(super) struct ClipRegion(Vec<(tiny_skia::Path, Affine)>);
 
 impl ClipRegion {
-    /// The domain of a scene, with its copies; empty if there is none.
+    /// The domain of a scene, with its copies. A scene without a domain has an empty region.
     pub(super) fn of_domain(scene: &Scene, scale: [f64; 2]) -> Self {
         scene.domain.as_ref().map_or(Self(Vec::new()), |d| Self::new(scene, &d.outline, scale))
     }

@@ -155,7 +155,7 @@ impl Serialize for BackgroundChoice {
     }
 }
 
-/// Where bytes are counted and reported, until the user stops.
+/// Counts and reports the bytes that are written to it. It fails when the user stops.
 struct ReportedBytes<'a> {
     progress: &'a dyn Progress,
     count: u64,

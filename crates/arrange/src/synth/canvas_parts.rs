@@ -71,7 +71,7 @@ impl CanvasParts {
     /// The scene of all parts, and its report.
     ///
     /// # Errors
-    /// As [`Texture::made`].
+    /// As [`Texture::scene`].
     pub(super) fn joined(&self, plan: &Plan<'_>, progress: &dyn Progress) -> Result<(Scene, SynthReport)> {
         let mut whole = JoinedScene { scene: compose::blank(plan, Vec::new()), map: &self.map };
         let mut reports = Vec::new();

@@ -4,7 +4,7 @@
 use super::canvas::OccupiedCanvas;
 use super::spread::Spread;
 use crate::arrange::motifs::DrawnElement;
-use std::f64::consts::TAU;
+use std::f64::consts::{SQRT_2, TAU};
 use vtex_base::error::Result;
 use vtex_base::geometry::{Affine, NearPoints, Point, Vec2, rotation, shortest_offset};
 use vtex_base::sampling::{Stream, stream};
@@ -84,24 +84,19 @@ impl OccupiedCanvas<'_> {
             (0..placed.len()).filter(|&i| self.relations.free[placed[i].element]).collect();
         moving.retain(|_| random.unit() < share);
         random.shuffle(&mut moving);
-        let spread_of = |canvas: &Self, placed: &[DrawnElement]| {
-            let places = placed.iter().map(|p| canvas.centre(p)).collect();
-            let spacing = canvas.relations.spacing;
-            Spread::new(places, canvas.periods(), spacing, std::f64::consts::SQRT_2 * FARTHEST * spacing)
-        };
         // Elements at the border of the canvas move only once, at the end, because their visible part changes.
         let (inner, border): (Vec<usize>, Vec<usize>) =
             moving.iter().partition(|&&i| self.zone(&placed[i]) == 0);
-        let drawn = spread_of(self, placed).loads(&inner);
+        let drawn = self.spread(placed).loads(&inner, &go_on)?;
         for _ in 0..WALKS {
             for &i in &inner {
                 go_on()?;
                 self.walk(placed, i, share, &mut random);
             }
         }
-        let mut spread = spread_of(self, placed);
+        let mut spread = self.spread(placed);
         for _ in 0..ROUNDS {
-            if spread.loads(&inner) <= drawn {
+            if spread.loads(&inner, &go_on)? <= drawn {
                 break;
             }
             for &i in &inner {
@@ -115,12 +110,19 @@ impl OccupiedCanvas<'_> {
             go_on()?;
             self.exchange(placed, &mut sites, n, &mut random);
         }
-        let mut spread = spread_of(self, placed);
+        let mut spread = self.spread(placed);
         for &i in &border {
             go_on()?;
             self.move_apart(placed, &mut spread, i, share, &mut random);
         }
         Ok(())
+    }
+
+    /// The places of all elements.
+    fn spread(&self, placed: &[DrawnElement]) -> Spread {
+        let places = placed.iter().map(|p| self.centre(p)).collect();
+        let spacing = self.relations.spacing;
+        Spread::new(places, self.periods(), spacing, SQRT_2 * FARTHEST * spacing)
     }
 
     /// The places of the elements `moving`, each occupied by its own element.

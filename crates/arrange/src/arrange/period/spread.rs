@@ -1,5 +1,6 @@
 //! How evenly elements are spread: each weighs on those around it, the more the nearer it is.
 
+use vtex_base::error::Result;
 use vtex_base::geometry::{NearPoints, Point, shortest_offset};
 
 /// Distance up to which elements weigh on one another, in units of the mean distance between elements.
@@ -54,9 +55,13 @@ impl Spread {
         load
     }
 
-    /// The sum of what weighs on some elements.
-    pub(super) fn loads(&self, elements: &[usize]) -> f64 {
-        elements.iter().map(|&i| self.load(i, self.places[i])).sum()
+    /// The sum of what weighs on some elements. Calls `go_on` before each.
+    ///
+    /// # Errors
+    /// Those of `go_on`.
+    pub(super) fn loads(&self, elements: &[usize], go_on: impl Fn() -> Result<()>) -> Result<f64> {
+        let load = |&i: &usize| go_on().map(|()| self.load(i, self.places[i]));
+        elements.iter().map(load).sum()
     }
 }
 
@@ -73,7 +78,7 @@ mod tests {
     #[test]
     fn clumps_weigh_more_than_even_places() {
         let all: Vec<usize> = (0..64).collect();
-        let loads = [0.0, 2.0, 4.0, 6.0].map(|by| spread(by).loads(&all));
+        let loads = [0.0, 2.0, 4.0, 6.0].map(|by| spread(by).loads(&all, || Ok(())).unwrap());
         assert!(loads.windows(2).all(|pair| pair[1] > 1.01 * pair[0]), "{loads:?}");
     }
 

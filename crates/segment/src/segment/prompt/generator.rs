@@ -21,8 +21,8 @@ pub struct GeneratorParams {
     /// Distance between prompts of the finest grid, in pixels. 1 to 256, default 5 (the paper's 10 000
     /// prompts for 500 × 500 pixels).
     pub spacing: f32,
-    /// Number of grids, each twice as fine as the previous one. Points covered by a mask of a coarser grid that is confident
-    /// or that many points gave are skipped. 1 to 6, default 3.
+    /// Number of grids, each twice as fine as the previous one. 1 to 6, default 3. A point is skipped if it lies in a
+    /// mask of a coarser grid that is confident, or that many points have given.
     pub levels: u32,
     /// Scales at which the image is shown to the network. Each 0.1 to 8, default 1.
     pub scales: Vec<f32>,
@@ -242,7 +242,8 @@ fn cuts(length: u32, side: u32) -> Vec<(u32, u32)> {
     (0..=count).map(|k| ((u64::from(free) * u64::from(k) / u64::from(count)) as u32, side)).collect()
 }
 
-/// A mask that so many prompts gave gets no further ones, even if it is doubtful. Large masks take long to compute.
+/// A mask that so many prompts have given is searched no further, even if it is doubtful: large masks take long to
+/// compute.
 const AGREED: u32 = 16;
 
 /// The search of one view.
