@@ -5,6 +5,7 @@ use super::support::{Folder, encode};
 use image::{DynamicImage, GrayImage, Luma};
 use roxmltree::Document;
 use vtex::library::Library;
+use vtex::scene::Scene;
 
 /// A folder with `waves.png`, a picture of a drawing of lines.
 fn with_waves() -> Folder {
@@ -79,6 +80,44 @@ fn its_texture_is_made_of_curves() {
 }
 
 #[test]
+fn figures_that_end_stay_whole() {
+    let folder = Folder::new();
+    // Rings out of line, on paper with a wide margin.
+    let rings: Vec<[f64; 3]> = (0..25u32)
+        .map(|k| {
+            let along = |part: u32, by: u32| f64::from(80 + part * 40 + k * by % 9);
+            [along(k % 5, 5), along(k / 5, 7), f64::from(7 + k % 6)]
+        })
+        .collect();
+    let picture = GrayImage::from_fn(330, 330, |x, y| {
+        let is_near =
+            |[a, b, r]: &[f64; 3]| (libm::hypot(f64::from(x) - a, f64::from(y) - b) - r).abs() < 1.3;
+        Luma([if rings.iter().any(is_near) { 20 } else { 245 }])
+    });
+    folder.write("rings.png", encode(&DynamicImage::ImageLuma8(picture), image::ImageFormat::Png));
+    let run = folder
+        .run("texture rings.png --kind curves -o out.svg -o out.scene.json --size 400 --seed 1 --json")
+        .succeeds();
+    assert_eq!(run.json()["method"], "clustered");
+    let scene = Scene::read(&folder.path("out.scene.json")).unwrap();
+    assert!(scene.instances().count() > 60, "{}", scene.instances().count());
+    for element in &scene.elements {
+        let [width, height] = {
+            let b = element.outline().bounds();
+            [b.width(), b.height()]
+        };
+        assert!((12.0..32.0).contains(&width) && (width - height).abs() < 2.0, "{width} x {height}");
+    }
+    // No hole is as wide as the paper's margin.
+    let at: Vec<[f64; 2]> = scene.instances().map(|i| [i.transform[4], i.transform[5]]).collect();
+    for (x, y) in (0..9).flat_map(|y| (0..9).map(move |x| (40.0 * f64::from(x + 1), 40.0 * f64::from(y + 1))))
+    {
+        let nearest = at.iter().map(|p| libm::hypot(p[0] - x, p[1] - y)).fold(f64::MAX, f64::min);
+        assert!(nearest < 60.0, "{nearest} at {x} {y}");
+    }
+}
+
+#[test]
 fn a_picture_of_lines_that_is_read_as_a_photograph_is_warned_of() {
     let folder = with_waves();
     folder.write("photo.png", super::support::photo());
@@ -97,6 +136,7 @@ fn what_does_not_fit_is_refused() {
     folder.run("analyze waves.png --kind curves --save-masks m.png -o x.lib.json").fails(2, "neither masks");
     folder.run("analyze waves.png --kind lines -o x.lib.json").fails(2, "photo");
     folder.run("analyze waves.png --kind curves -o waves.lib.json").succeeds();
-    let density = "synth waves.lib.json -o x.svg --method clustered --density photo.png";
+    folder.write("photo.png", super::support::photo());
+    let density = "synth waves.lib.json -o x.svg --method period --density photo.png";
     folder.run(density).fails(2, "map of densities");
 }

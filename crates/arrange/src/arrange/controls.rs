@@ -44,15 +44,17 @@ impl Controls {
         self.density.as_ref().map_or(1.0, |map| map.at(point, canvas).clamp(0.0, Self::DENSEST))
     }
 
-    /// The mean and the largest density of the canvas.
-    #[cfg(feature = "curves")]
-    pub(crate) fn densities(&self) -> [f64; 2] {
-        let Some(map) = &self.density else { return [1.0; 2] };
-        let (mut sum, mut largest) = (0.0, 0.0f64);
-        for value in map.values().iter().map(|v| f64::from(*v).clamp(0.0, Self::DENSEST)) {
-            (sum, largest) = (sum + value, largest.max(value));
-        }
-        [sum / map.values().len() as f64, largest]
+    /// The largest density of the canvas.
+    pub(crate) fn largest_density(&self) -> f64 {
+        let Some(map) = &self.density else { return 1.0 };
+        map.values().iter().map(|v| f64::from(*v)).fold(0.0, f64::max).min(Self::DENSEST)
+    }
+
+    /// The mean density of the canvas where none is above `most`.
+    pub(crate) fn mean_density(&self, most: f64) -> f64 {
+        let Some(map) = &self.density else { return 1.0 };
+        let values = map.values().iter().map(|v| f64::from(*v).clamp(0.0, most.min(Self::DENSEST)));
+        values.sum::<f64>() / map.values().len() as f64
     }
 
     /// Checks that the maps fit the libraries.

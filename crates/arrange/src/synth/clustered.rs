@@ -8,11 +8,12 @@ use super::refusal::refusal;
 use super::report::{ClusterReport, SynthReport};
 use super::samples_picture::cluster_picture;
 use super::single_drawing::single_drawing;
+use super::thinned::thin;
 use crate::arrange::Plan;
 use crate::arrange::context::DrawnContext;
 use crate::arrange::motifs::{DrawnElement, MotifUnits};
 use vtex_base::error::Result;
-use vtex_base::geometry::{Affine, ConvexPolygon, Outline, Rect, rounded};
+use vtex_base::geometry::{Affine, ConvexPolygon, Outline, Rect, Vec2, rounded};
 use vtex_base::progress::{Progress, advance};
 use vtex_cluster::{
     ClusterExemplar, ClusterParams, ClusterResult, ClusteredElement, ClusteringParts, Figure, FigurePlace,
@@ -49,8 +50,8 @@ impl PlacementMethod for Clustered {
     fn fits(plan: &Plan<'_>, _: &dyn Progress) -> Result<Self> {
         let refused = |allowed| refusal(Method::Clustered, allowed);
         let library = single_drawing(plan).map_err(refused)?;
-        if plan.controls.density.is_some() {
-            return Err(refused("without a map of densities"));
+        if plan.controls.density.is_some() && plan.controls.context.is_some() {
+            return Err(refused("without a map of densities, beside a drawing that stays"));
         }
         let clipped = library.primaries().iter().filter(|e| e.clipped).count();
         if clipped > 0 && library.arrangement.periodic {
@@ -120,14 +121,16 @@ impl PlacementMethod for Clustered {
             .zip(0..)
             .flat_map(|(e, n)| drawing.placements(library, (units.as_ref(), n), &known, e));
         let placements = placements.collect();
-        let share = context.map_or(1.0, |context| context.share(size));
+        let share = context.map_or(1.0, |context| context.share(size)) / drawing.of_page;
         let recognised = standing.as_ref().map(|s| [s.recognised, s.context.places.len()]);
         let report = SynthReport {
             clusters: Some(ClusterReport { recognised, ..summed(&found) }),
             ..SynthReport::of_drawing(library, share, None)
         };
         let arranged = Arranged::of_drawing(plan, variation, placements, report);
-        Ok(Arranged { counted: Some("primaries"), ..arranged })
+        let mut arranged = Arranged { counted: Some("primaries"), ..arranged };
+        thin(&mut arranged, plan, "primaries", progress)?;
+        Ok(arranged)
     }
 
     fn cleared(&self, context: &DrawnContext, canvas: [u32; 2]) -> DrawnContext {
@@ -199,6 +202,8 @@ pub(super) struct ClusteredDrawing {
     places: Vec<DrawnPlace>,
     /// Bounds of each place around its reference point.
     bounds: Vec<Rect>,
+    /// Share of the page that is looked at.
+    of_page: f64,
 }
 
 impl ClusteredDrawing {
@@ -211,7 +216,8 @@ impl ClusteredDrawing {
         let mut of_element: Vec<Vec<([f64; 4], u32)>> = vec![Vec::new(); elements.len()];
         let (mut places, mut drawn, mut bounds) = (Vec::new(), Vec::new(), Vec::new());
         let size = [library.source.width, library.source.height].map(f64::from);
-        let around = Rect::new(0.0, 0.0, size[0], size[1]).inflate(BESIDE * size[0], BESIDE * size[1]);
+        let around_page = Rect::new(0.0, 0.0, size[0], size[1]);
+        let around = around_page.inflate(BESIDE * size[0], BESIDE * size[1]);
         for (l, layer) in library.layers.iter().enumerate() {
             for instance in &layer.instances {
                 let own = instance.element.index();
@@ -249,8 +255,12 @@ impl ClusteredDrawing {
                 bounds.push(figures[figure as usize].bounds());
             }
         }
-        let page = PeriodicPlane { size, wraps: [library.arrangement.periodic; 2] };
-        Self { exemplar: ClusterExemplar { page, figures, places }, looks, places: drawn, bounds }
+        let wraps = [library.arrangement.periodic; 2];
+        let page = if wraps[0] { around_page } else { trimmed(around_page, &places, &bounds) };
+        places.iter_mut().for_each(|place| place.at = [place.at[0] - page.x0, place.at[1] - page.y0]);
+        let of_page = page.area() / around_page.area();
+        let page = PeriodicPlane { size: [page.width(), page.height()], wraps };
+        Self { exemplar: ClusterExemplar { page, figures, places }, looks, places: drawn, bounds, of_page }
     }
 
     /// The elements that reach the canvas.
@@ -259,7 +269,7 @@ impl ClusteredDrawing {
         let size = [canvas.width(), canvas.height()];
         let tile = [params.tile.x, params.tile.y];
         let reaches = |e: &&ClusteredElement| {
-            let b = self.bounds[e.place] + vtex_base::geometry::Vec2::new(e.at[0], e.at[1]);
+            let b = self.bounds[e.place] + Vec2::new(e.at[0], e.at[1]);
             (tile[0] || b.x1 > 0.0 && b.x0 < size[0]) && (tile[1] || b.y1 > 0.0 && b.y0 < size[1])
         };
         found.elements.iter().filter(reaches).copied().collect()
@@ -294,6 +304,16 @@ impl ClusteredDrawing {
         };
         units.parts[own].iter().map(part).collect()
     }
+}
+
+/// The page without a margin wider than half the mean distance of elements: it would be a hole in the texture.
+fn trimmed(page: Rect, places: &[FigurePlace], bounds: &[Rect]) -> Rect {
+    let moved = |(place, b): (&FigurePlace, &Rect)| *b + Vec2::new(place.at[0], place.at[1]);
+    let Some(all) = places.iter().zip(bounds).map(moved).reduce(|a, b| a.union(b)) else { return page };
+    let margin = 0.5 * libm::sqrt(all.area() / places.len() as f64);
+    let trimmed = all.inflate(margin, margin).intersect(page);
+    // Not where all lies beside the page.
+    if trimmed.width().min(trimmed.height()) < 1.0 { page } else { trimmed }
 }
 
 /// The parts of shapes, as a map places them, that lie within a rectangle, in the coordinates of the shapes.
@@ -372,6 +392,29 @@ mod tests {
             run(&library, true, parts).unwrap().layers,
             run(&library, true, Vec::new()).unwrap().layers
         );
+    }
+
+    #[test]
+    fn a_wide_margin_is_left_out() {
+        let mut library = drawing();
+        library.arrangement.periodic = false;
+        let whole = super::ClusteredDrawing::new(&library);
+        // The same elements in the middle of a page of three times the sides.
+        for side in [&mut library.source.width, &mut library.source.height] {
+            *side *= 3;
+        }
+        for instance in library.layers.iter_mut().flat_map(|l| &mut l.instances) {
+            instance.transform[4] += 160.0;
+            instance.transform[5] += 160.0;
+        }
+        let trimmed = super::ClusteredDrawing::new(&library);
+        let [a, b] = [&whole, &trimmed].map(|drawing| drawing.exemplar.page.size);
+        assert!((0..2).all(|k| b[k] >= a[k] - 20.0 && b[k] <= a[k] + 40.0), "{a:?} {b:?}");
+        let share = b[0] * b[1] / (480.0 * 480.0);
+        assert!((trimmed.of_page - share).abs() < 1e-9);
+        for (place, drawn) in trimmed.exemplar.places.iter().zip(&trimmed.places) {
+            assert!((0..2).all(|k| (0.0..b[k]).contains(&place.at[k]) && drawn.at[k] > 160.0));
+        }
     }
 
     #[test]

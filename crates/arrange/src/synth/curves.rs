@@ -10,13 +10,13 @@ use super::refusal::{if_fits, refusal};
 use super::report::{CurveReport, SynthReport};
 use super::samples_picture::graph_picture;
 use super::single_drawing::single_drawing;
+use super::thinned::shown;
 use crate::arrange::Plan;
 use crate::arrange::context::DrawnContext;
 use vtex_base::error::{Error, Result};
 use vtex_base::geometry::plane::PeriodicPlane;
 use vtex_base::geometry::{Affine, Point};
 use vtex_base::progress::{Progress, advance};
-use vtex_base::sampling::stream;
 use vtex_curves::{CurveContext, CurveGraph, CurveParams, CurveParts, CurveResult, curves, curves_beside};
 use vtex_scene::element::Shape;
 use vtex_scene::library::Library;
@@ -157,8 +157,7 @@ fn line_texture(plan: &Plan<'_>, progress: &dyn Progress) -> Result<Arranged<'st
     }
     // Lines are made as densely as the densest place asks for, and shown as densely as each place does.
     let canvas = [params.width, params.height].map(f64::from);
-    let [mean_density, largest_density] = controls.densities();
-    let dense = largest_density.max(1.0);
+    let dense = controls.largest_density().max(1.0);
     let asked = CurveParams {
         size: canvas.map(|side| dense * side),
         tile: [params.tile.x, params.tile.y],
@@ -195,8 +194,11 @@ fn line_texture(plan: &Plan<'_>, progress: &dyn Progress) -> Result<Arranged<'st
         found.elements.iter_mut().for_each(|e| e.at = e.at.map(|v| v / dense));
         let plane = PeriodicPlane { size: canvas, wraps: asked.tile };
         let density = |at| controls.density_at(plane.wrapped(at), canvas) / dense;
-        let mut random = stream(params.seed, "curves/density", 0);
-        found.elements.retain(|e| random.unit() < density(e.at));
+        // Length by area has grown by `dense`, number by area by its square.
+        let places: Vec<Point> =
+            found.elements.iter().map(|e| Point::from(<(f64, f64)>::from(e.at))).collect();
+        let mut stays = shown(&places, plane, params.seed, |at| density([at.x, at.y]) / dense).into_iter();
+        found.elements.retain(|_| stays.next() == Some(true));
         found.curves = thinned(std::mem::take(&mut found.curves), plane, density, &go_on)?;
     }
     found.curves.sort_by_key(|c| (drawing.styles[c.style as usize].layer, c.style));
@@ -216,7 +218,8 @@ fn line_texture(plan: &Plan<'_>, progress: &dyn Progress) -> Result<Arranged<'st
         })
     };
     let placements = between(true).chain(lines).chain(between(false)).collect();
-    let share = controls.context.as_ref().map_or(mean_density, |context| context.share(canvas));
+    let share =
+        controls.context.as_ref().map_or(controls.mean_density(dense), |context| context.share(canvas));
     advance(progress, "curves", 2, 2)?;
     let report = SynthReport {
         curves: Some(report(&found, controls.context.is_some())),

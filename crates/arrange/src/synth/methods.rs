@@ -86,8 +86,9 @@ fn suited(plan: &mut Plan<'_>, progress: &dyn Progress) -> Result<Box<dyn Placem
         let made = if_fits(named(first, plan, progress))?;
         return made.map_or_else(|| named(second, plan, progress), Ok);
     }
-    // Nothing else makes more of lines on paper.
-    if plan.libraries.iter().all(Library::is_line_art)
+    // Nothing else makes more of lines on paper that run on.
+    #[cfg(feature = "curves")]
+    if plan.libraries.iter().all(|library| library.is_line_art() && super::curves::runs_on(library))
         && let Some(made) = if_fits(named(Method::Curves, plan, progress))?
     {
         return Ok(made);

@@ -50,6 +50,7 @@ pub(crate) mod testing;
 #[cfg(test)]
 mod tests;
 mod texture;
+mod thinned;
 mod units;
 
 pub use crate::arrange::context::DrawnContext;

@@ -4,6 +4,7 @@ use super::compose::{Arranged, Placement, What};
 use super::methods::PlacementMethod;
 use super::refusal::refusal;
 use super::report::SynthReport;
+use super::thinned::thin;
 use crate::arrange::Plan;
 use crate::arrange::motifs::DrawnElement;
 use crate::arrange::period::{Repeated, place};
@@ -19,8 +20,8 @@ pub(super) struct Periodic;
 
 impl PlacementMethod for Periodic {
     fn fits(plan: &Plan<'_>, _: &dyn Progress) -> Result<Self> {
-        let allowed =
-            "for one drawing whose borders join, without a map of densities, turned or mirrored elements";
+        let allowed = "for one drawing whose borders join, without turned or mirrored elements, and with a map of densities only where \
+             no line runs on from copy to copy";
         if applies(plan) { Ok(Self) } else { Err(refusal(Method::Period, allowed)) }
     }
 
@@ -38,20 +39,22 @@ impl PlacementMethod for Periodic {
             let stacking = library.source.stacking;
             arranged.blank.stacking = [0, 1].map(|k| stacking[k].saturating_mul(periods[k]));
         }
+        thin(&mut arranged, plan, "primaries", progress)?;
         Ok(arranged)
     }
 }
 
 /// Whether the period of a library can be repeated: it is a drawing whose borders join, and no control
-/// requires another density or whole elements along an edge.
+/// requires whole elements along an edge, or lines that run on to end.
 pub(super) fn applies(plan: &Plan<'_>) -> bool {
     let ([library], controls) = (&*plan.libraries, &plan.controls) else { return false };
     let drawn = library.is_drawing()
         && library.arrangement.periodic
         && library.secondaries().is_empty()
         && !library.is_layered();
+    let can_thin = controls.density.is_none() || !library.primaries().iter().any(|e| e.clipped);
     let clips = controls.domain.is_none() || plan.params.edge == Edge::Clip;
-    drawn && clips && !plan.params.varies() && controls.density.is_none() && controls.structure.is_none()
+    drawn && clips && !plan.params.varies() && can_thin && controls.structure.is_none()
 }
 
 /// The elements that reach the canvas, layer by layer in painting order. Equal elements are instances of the

@@ -129,6 +129,12 @@ impl SynthReport {
         Self { coverage_wanted: share * library.coverage, categories, ..Self::default() }
     }
 
+    /// The report where `share` of what was wanted is.
+    pub(super) fn wanted_times(&mut self, share: f64) {
+        self.coverage_wanted *= share;
+        self.categories.iter_mut().for_each(|category| category.wanted *= share);
+    }
+
     /// What is to be said of elements placed one by one, before they are composed.
     pub(crate) fn of_arrangement(plan: &Plan<'_>, arrangement: &PlacementResult<'_>) -> Self {
         let PlacementResult { cells: map, descriptors, correction, .. } = arrangement;

@@ -117,8 +117,9 @@ impl ContactPage {
             for &i in &front {
                 // Every second step includes corners, so that the reached area grows as an octagon.
                 let around = if step % 2 == 0 { 4 } else { 8 };
+                let at = self.at(i);
                 for side in AROUND.into_iter().take(around) {
-                    let Some((n, across)) = self.beside(i, side) else { continue };
+                    let Some((n, across)) = self.beside(at, side) else { continue };
                     // The copy as seen from the neighbour's page.
                     let moved = [0, 1].map(|k| i32::from(shifts[i][k]) - across[k]);
                     let own = (masks[i], moved.map(|v| v.clamp(-100, 100) as i8));
@@ -144,18 +145,28 @@ impl ContactPage {
 
     /// Whether a pixel of a mask has a neighbour that is not of the same copy of the same mask.
     fn is_rim(&self, i: usize) -> bool {
+        if self.masks[i] == NONE {
+            return false;
+        }
+        let at = self.at(i);
         let same = |side: (i32, i32)| {
-            let Some((n, across)) = self.beside(i, side) else { return true };
+            let Some((n, across)) = self.beside(at, side) else { return true };
             let moved = [0, 1].map(|k| i32::from(self.shifts[i][k]) - across[k]);
             (self.masks[n], self.shifts[n].map(i32::from)) == (self.masks[i], moved)
         };
-        self.masks[i] != NONE && !AROUND.into_iter().all(same)
+        !AROUND.into_iter().all(same)
+    }
+
+    /// Column and row of a pixel.
+    fn at(&self, i: usize) -> [i32; 2] {
+        let [i, w] = [i as u32, self.size[0] as u32];
+        [(i % w) as i32, (i / w) as i32]
     }
 
     /// The neighbour of a pixel, and in which copy of the page it lies.
-    fn beside(&self, i: usize, (dx, dy): (i32, i32)) -> Option<(usize, Shift)> {
+    fn beside(&self, [x, y]: [i32; 2], (dx, dy): (i32, i32)) -> Option<(usize, Shift)> {
         let [w, h] = self.size;
-        let [x, y] = [i as i32 % w + dx, i as i32 / w + dy];
+        let [x, y] = [x + dx, y + dy];
         if (0..w).contains(&x) && (0..h).contains(&y) {
             return Some(((y * w + x) as usize, [0; 2]));
         }

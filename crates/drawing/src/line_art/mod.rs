@@ -84,10 +84,11 @@ fn paper(image: &RgbImage, difference: &[f32]) -> Colour {
 
 /// The strokes as an SVG.
 fn svg(strokes: &[PictureStroke], paper: Colour, wrap: bool, [width, height]: [u32; 2]) -> String {
+    // No group: strokes of one would be one element.
     let mut text = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} \
-         {height}\"><rect width=\"{width}\" height=\"{height}\" fill=\"{paper}\"/><g fill=\"none\" \
-         stroke-linecap=\"round\" stroke-linejoin=\"round\">"
+         {height}\" fill=\"none\" stroke-linecap=\"round\" stroke-linejoin=\"round\"><rect width=\"{width}\" \
+         height=\"{height}\" fill=\"{paper}\"/>"
     );
     // What crosses a border that joins the opposite one is drawn at both.
     let page = [width, height].map(f64::from);
@@ -105,7 +106,7 @@ fn svg(strokes: &[PictureStroke], paper: Colour, wrap: bool, [width, height]: [u
         // Writing to a text cannot fail.
         let _ = write!(text, "<path stroke=\"{colour}\" stroke-width=\"{wide:.2}\" d=\"{path}\"/>");
     }
-    text.push_str("</g></svg>");
+    text.push_str("</svg>");
     text
 }
 

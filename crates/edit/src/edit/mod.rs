@@ -14,7 +14,6 @@ mod files;
 mod groups;
 mod hatch;
 mod jitter;
-mod order;
 mod paint_order;
 mod palette;
 mod place;

@@ -1,10 +1,11 @@
 //! Removes textons: all but a share, small ones, or those outside a map or a shape.
 
+use super::Draw;
 use super::selection::Chosen;
 use super::textons::{change, measured, size};
-use super::{Draw, order};
 use vtex_base::geometry::{Interior, Point};
 use vtex_base::raster::ControlMap;
+use vtex_base::sampling::evenly_reduced;
 use vtex_scene::scene::{Instance, Scene, Shape, ThinOrder};
 
 /// Keeps the instances for which `keep` holds, and all that are not selected. `keep` gets the unchanged
@@ -114,7 +115,8 @@ fn kept(
         ThinOrder::BlueNoise => {
             let points: Vec<Point> = selected.iter().map(|&i| scene.place(&instances[i])).collect();
             let ties: Vec<u64> = selected.iter().map(|&i| random(i)).collect();
-            order::spread(&points, &ties, scene.periods(), count).into_iter().for_each(|k| keep(selected[k]));
+            let left = evenly_reduced(&points, &ties, scene.periods(), count);
+            left.into_iter().for_each(|k| keep(selected[k]));
         }
     }
     kept

@@ -2,6 +2,7 @@
 
 use super::relations::{ElementRelations, with_holes};
 use super::size_of;
+use super::taken::TakenCells;
 use crate::arrange::motifs::DrawnElement;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -27,6 +28,8 @@ pub(super) struct OccupiedCanvas<'a> {
     pub(super) wrap: [bool; 2],
     /// Number of the placed element on each pixel, from 1.
     cells: Vec<u32>,
+    /// The cells that hold one.
+    taken: TakenCells,
     /// Whether the holes of elements are theirs.
     solid: bool,
     /// Pixels of elements turned about the origin, by element and map. Coefficients are in units of [`STEP`].
@@ -52,8 +55,8 @@ impl<'a> OccupiedCanvas<'a> {
         let size = [0, 1].map(|k| if wrap[k] { canvas[k] } else { canvas[k] + 2 * beyond(k) });
         let pixels = size[0] as u64 * size[1] as u64;
         let cells = vec![0; if pixels <= most { pixels as usize } else { return None }];
-        let turned = BTreeMap::new();
-        Some(Self { library, relations, first, size, canvas, wrap, cells, solid: true, turned })
+        let (taken, turned) = (TakenCells::none(cells.len()), BTreeMap::new());
+        Some(Self { library, relations, first, size, canvas, wrap, cells, taken, solid: true, turned })
     }
 
     /// The cell of a pixel of the canvas.
@@ -127,6 +130,7 @@ impl<'a> OccupiedCanvas<'a> {
                     let i = y as usize * self.size[0] as usize + x as usize;
                     if let Some(cell) = self.cells.get_mut(i) {
                         *cell = u32::MAX - label;
+                        self.taken.set(i..i + 1, true);
                     }
                 }
             }
@@ -160,8 +164,16 @@ impl<'a> OccupiedCanvas<'a> {
         let [dx, dy] = shift.map(i64::from);
         for s in mask.spans() {
             for part in self.row_cells(i64::from(s.x0) + dx, i64::from(s.x1) + dx, i64::from(s.y) + dy) {
-                let cells = &mut self.cells[part];
-                cells.iter_mut().filter(|cell| old == 0 || **cell == old).for_each(|cell| *cell = new);
+                let cells = &mut self.cells[part.clone()];
+                if old == 0 || cells.iter().all(|cell| *cell == old) {
+                    cells.fill(new);
+                    self.taken.set(part, new != 0);
+                    continue;
+                }
+                for (i, cell) in part.zip(cells).filter(|(_, cell)| **cell == old) {
+                    *cell = new;
+                    self.taken.set(i..i + 1, new != 0);
+                }
             }
         }
     }
@@ -190,7 +202,7 @@ impl<'a> OccupiedCanvas<'a> {
                     i64::from(s.x1) + x + beside,
                     i64::from(s.y) + y + dy,
                 );
-                parts.into_iter().all(|part| self.cells[part].iter().all(|cell| *cell == 0))
+                parts.into_iter().all(|part| !self.taken.any(part))
             })
         })
     }
@@ -232,6 +244,7 @@ impl<'a> OccupiedCanvas<'a> {
             self.solid = false;
             self.turned.clear();
             self.cells.fill(0);
+            self.taken.clear();
             self.write_all(placed, &go_on)?;
         }
         let elements = &self.library.elements;

@@ -4,9 +4,9 @@
 use super::canvas::OccupiedCanvas;
 use super::spread::Spread;
 use crate::arrange::motifs::DrawnElement;
-use std::f64::consts::{SQRT_2, TAU};
+use std::f64::consts::SQRT_2;
 use vtex_base::error::Result;
-use vtex_base::geometry::{Affine, NearPoints, Point, Vec2, rotation, shortest_offset};
+use vtex_base::geometry::{Affine, NearPoints, Point, Vec2, shortest_offset};
 use vtex_base::sampling::{Stream, stream};
 
 /// Candidate partners tried for an exchange: first at places without a similar neighbour, then at places
@@ -31,10 +31,6 @@ const SHIFTS: usize = 8;
 const FARTHEST: f64 = 0.22;
 /// Clearances that are distinguished, in units of that of the exemplar.
 const CLEARANCES: [f64; 6] = [1.0, 1.5, 2.0, 2.5, 3.0, 4.0];
-/// Number of angles of elements that occur at any angle.
-const TURNS: usize = 24;
-/// Largest gap between the angles of such elements, in radians.
-const LARGEST_GAP: f64 = 1.75;
 
 /// The places that elements exchange.
 struct ExchangePlaces {
@@ -67,7 +63,7 @@ impl ExchangePlaces {
 }
 
 impl OccupiedCanvas<'_> {
-    /// Exchanges, shifts and turns elements; a share `share` of the free ones takes part. Calls `go_on`
+    /// Exchanges and shifts elements; a share `share` of the free ones takes part. Calls `go_on`
     /// before each.
     ///
     /// # Errors
@@ -152,7 +148,7 @@ impl OccupiedCanvas<'_> {
             let m = random.index(sites.occupants.len());
             let b = sites.occupants[m];
             let other = extent(&placed[b]);
-            let kinds = if attempt < PARTNERS[0] { &relations.first_like } else { &relations.first_equal };
+            let kinds = if attempt < PARTNERS[0] { &relations.first_like } else { &relations.first_upright };
             let [kind_a, kind_b] = [a, b].map(|i| kinds[placed[i].element]);
             let zones = [a, b].map(|i| self.zone(&placed[i]));
             let fit = zones[0] == zones[1] && own.max(other) <= RATIO * own.min(other);
@@ -163,7 +159,7 @@ impl OccupiedCanvas<'_> {
                 let periods = self.periods();
                 sites.any_near(site, [n, m], periods, |i| kinds[placed[i].element] == kind)
             };
-            if !is_near(m, kind_a) && !is_near(n, kind_b) && self.try_swap(placed, [a, b], random) {
+            if !is_near(m, kind_a) && !is_near(n, kind_b) && self.try_swap(placed, [a, b]) {
                 sites.occupants.swap(n, m);
                 return;
             }
@@ -178,14 +174,14 @@ impl OccupiedCanvas<'_> {
     }
 
     /// Exchanges two elements if both fit; whether they did.
-    fn try_swap(&mut self, placed: &mut [DrawnElement], [a, b]: [usize; 2], random: &mut Stream) -> bool {
+    fn try_swap(&mut self, placed: &mut [DrawnElement], [a, b]: [usize; 2]) -> bool {
         let (old_a, old_b) = (placed[a], placed[b]);
         self.write(&old_a, 0, a as u32 + 1);
         self.write(&old_b, 0, b as u32 + 1);
-        let new_a = self.moved_to(&old_a, self.centre(&old_b), random);
+        let new_a = self.moved_to(&old_a, self.centre(&old_b));
         if self.fits(&new_a, 1.0) {
             self.write(&new_a, a as u32 + 1, 0);
-            let new_b = self.moved_to(&old_b, self.centre(&old_a), random);
+            let new_b = self.moved_to(&old_b, self.centre(&old_a));
             if self.fits(&new_b, 1.0) {
                 self.write(&new_b, b as u32 + 1, 0);
                 (placed[a], placed[b]) = (new_a, new_b);
@@ -209,7 +205,7 @@ impl OccupiedCanvas<'_> {
         for _ in 0..STEPS {
             let stride = STRIDES[random.index(STRIDES.len())];
             let by = self.step(stride * share, random);
-            let new = self.moved_to(&old, centre + by, random);
+            let new = self.moved_to(&old, centre + by);
             if self.zone(&new) == 0 && self.fits(&new, clearance) {
                 placed[i] = new;
                 break;
@@ -219,7 +215,7 @@ impl OccupiedCanvas<'_> {
     }
 
     /// Moves an element to a nearby place on which the others weigh less and which is no nearer to one of them, if such a
-    /// place is found, turned by an angle at which equal elements occur.
+    /// place is found.
     fn move_apart(
         &mut self,
         placed: &mut [DrawnElement],
@@ -239,7 +235,7 @@ impl OccupiedCanvas<'_> {
             if load >= least {
                 continue;
             }
-            let new = self.moved_to(&old, place, random);
+            let new = self.moved_to(&old, place);
             if self.zone(&new) == zone && self.fits(&new, clearance) {
                 placed[i] = new;
                 least = load;
@@ -262,21 +258,9 @@ impl OccupiedCanvas<'_> {
         Vec2::new(x, y)
     }
 
-    /// A copy with its centre at a place, turned by a random angle at which equal elements occur. The place is
-    /// wrapped along axes that repeat.
-    fn moved_to(&self, p: &DrawnElement, mut place: Point, random: &mut Stream) -> DrawnElement {
-        let class = self.relations.equal[p.element];
-        let angles = self.relations.angles.get(&class.first).map_or(&[][..], Vec::as_slice);
-        // The element's angle in the exemplar, relative to the first of its class.
-        let [a, b, ..] = class.map.as_coeffs();
-        let own = libm::atan2(b, a);
-        let turn = match angles.len() {
-            0 | 1 => 0.0,
-            _ if fill_circle(angles) => random.index(TURNS) as f64 / TURNS as f64 * TAU,
-            // The angles are those of elements that are not mirrored.
-            _ if class.map.determinant() < 0.0 => 0.0,
-            count => angles[random.index(count)] - own,
-        };
+    /// A copy with its centre at a place, which is wrapped along axes that repeat. It keeps its angle: angles are as often
+    /// as in the drawing, and those that fit easily are not preferred.
+    fn moved_to(&self, p: &DrawnElement, mut place: Point) -> DrawnElement {
         if self.wrap[0] {
             place.x -= f64::from(self.canvas[0]) * libm::floor(place.x / f64::from(self.canvas[0]));
         }
@@ -285,30 +269,10 @@ impl OccupiedCanvas<'_> {
         }
         let centre = self.relations.bounds[p.element].center();
         let [a, b, c, d, ..] = self.library.layers[p.order.layer].instances[p.order.instance].transform;
-        let own = Affine::new([a, b, c, d, 0.0, 0.0]);
-        let linear = if turn.abs() < 1e-3 { own } else { rotation(turn) * own };
+        let linear = Affine::new([a, b, c, d, 0.0, 0.0]);
         let shift = place - linear * centre;
         // `fits` tests whole pixels.
         let map = Affine::translate(Vec2::new(libm::round(shift.x), libm::round(shift.y))) * linear;
         DrawnElement { map, ..*p }
-    }
-}
-
-/// Whether angles, ascending and in radians, leave no large gap on the circle: then elements count as occurring
-/// at any angle.
-fn fill_circle(angles: &[f64]) -> bool {
-    let (Some(first), Some(last)) = (angles.first(), angles.last()) else { return false };
-    let gaps = angles.windows(2).map(|pair| pair[1] - pair[0]);
-    gaps.chain([first + TAU - last]).all(|gap| gap < LARGEST_GAP)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn only_angles_without_a_large_gap_fill_the_circle() {
-        assert!(!fill_circle(&[]) && !fill_circle(&[-0.14, 0.0, 0.14]) && !fill_circle(&[0.0, TAU / 2.0]));
-        assert!(fill_circle(&[-2.4, -0.8, 0.8, 2.4]));
     }
 }

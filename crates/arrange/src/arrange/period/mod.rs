@@ -1,8 +1,8 @@
-//! Placement by the period of a drawing: the exemplar's own period repeated, its elements exchanged, moved
-//! and turned.
+//! Placement by the period of a drawing: the exemplar's own period repeated, its elements exchanged
+//! and moved.
 //!
 //! A regular or interlocking drawing is repeated exactly. In a loose one, elements that touch no other are free
-//! to move: they walk and turn at random, move apart until they are spread as evenly as in the drawing, and exchange
+//! to move: they walk at random, move apart until they are spread as evenly as in the drawing, and exchange
 //! places with others of similar size. No two come nearer to each other than elements of the drawing. Similar
 //! elements are kept apart. The number of elements stays, and the area by category nearly so: elements at the border
 //! of the canvas hardly move. Elements that are equal up to rotation, reflection and size are one element of the
@@ -19,6 +19,7 @@ mod order;
 mod parts;
 mod relations;
 mod spread;
+mod taken;
 #[cfg(test)]
 mod tests;
 

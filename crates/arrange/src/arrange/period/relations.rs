@@ -3,7 +3,6 @@
 use super::order;
 use crate::arrange::motifs::MotifUnits;
 use std::collections::BTreeMap;
-use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 use vtex_base::geometry::{Outline, Point, Rect, ring_path};
 use vtex_base::raster::contact::ContactPage;
@@ -22,8 +21,8 @@ const REACH: u16 = 60;
 pub(super) struct ElementRelations {
     /// The class of equal elements that each belongs to.
     pub(super) equal: Vec<SimilarTo>,
-    /// For each element, the first equal to it.
-    pub(super) first_equal: Vec<usize>,
+    /// For each element, the first that equals it without being turned or mirrored.
+    pub(super) first_upright: Vec<usize>,
     /// For each element, the first with about the same colours, shape and size.
     pub(super) first_like: Vec<usize>,
     /// Bounds of each, in the exemplar.
@@ -36,8 +35,6 @@ pub(super) struct ElementRelations {
     pub(super) free: Vec<bool>,
     /// Whether elements may move along x and y: not across bands.
     pub(super) moves_along: [bool; 2],
-    /// Angles by which equal elements are turned, in radians; by the first element.
-    pub(super) angles: BTreeMap<usize, Vec<f64>>,
     /// Least distance between elements, in pixels: three quarters of the usual smallest gap.
     pub(super) clearance: i32,
     /// Mean distance between elements, in pixels.
@@ -72,15 +69,12 @@ impl ElementRelations {
         let page_area = f64::from(size[0]) * f64::from(size[1]);
         let spacing = libm::sqrt(page_area / elements.len().max(1) as f64);
         let equal = equal(elements);
-        let angles = angles(&equal);
         let largest = elements.iter().zip(&bounds).filter(|(e, _)| !e.clipped).map(|(_, b)| b);
         let largest = largest.map(|b| b.width().max(b.height())).fold(0.0, f64::max);
         let free_bounds = bounds.iter().zip(&free).filter(|(_, free)| **free).map(|(b, _)| b);
         let shortest_side = free_bounds.map(|b| b.width().min(b.height())).fold(f64::INFINITY, f64::min);
         let too_few = free.iter().filter(|f| **f).count() < FEWEST;
         let regular = too_few || order::is_regular(elements, &bounds, size);
-        let first_equal: Vec<usize> = equal.iter().map(|e| e.first).collect();
-        let first_like = first_like(elements, &first_equal);
         let centres: Vec<Point> = bounds.iter().map(Rect::center).collect();
         // Elements of a regular drawing move only if they are asked to, and then those of its lines, too.
         if !regular {
@@ -91,14 +85,13 @@ impl ElementRelations {
         Self {
             moves_along: order::is_even(elements, &centres, size),
             solid: solid(elements, &masks, &on_page, size),
-            first_like,
-            first_equal,
+            first_like: first_like(elements, &equal),
+            first_upright: first_upright(&equal),
             equal,
             bounds,
             masks: masks.into_iter().map(Arc::new).collect(),
             clearance: clearance(&free, &gaps),
             free,
-            angles,
             spacing,
             shortest_side,
             margin: largest.min(0.5 * spacing) + spacing,
@@ -106,10 +99,10 @@ impl ElementRelations {
         }
     }
 
-    /// Turns motifs by the angles at which their copies occur, although these may differ a little.
+    /// Takes the copies of a motif for equal, although these may differ a little.
     pub(super) fn follow(&mut self, units: &MotifUnits) {
         self.equal = units.similar(&self.equal);
-        self.angles = angles(&self.equal);
+        self.first_upright = first_upright(&self.equal);
     }
 }
 
@@ -163,13 +156,13 @@ const AREA: f64 = 0.2;
 const COMPACTNESS: f64 = 0.12;
 
 /// For each element, the first with about the same colours, shape and size.
-fn first_like(elements: &[ExemplarElement], first_equal: &[usize]) -> Vec<usize> {
+fn first_like(elements: &[ExemplarElement], equal: &[SimilarTo]) -> Vec<usize> {
     let colours = |e: &ExemplarElement| e.shapes.iter().map(|s| s.colour.0).collect::<Vec<_>>();
     let mut firsts: BTreeMap<_, Vec<usize>> = BTreeMap::new();
     let mut found: Vec<usize> = Vec::with_capacity(elements.len());
     for (k, element) in elements.iter().enumerate() {
-        if first_equal[k] != k {
-            found.push(found[first_equal[k]]);
+        if equal[k].first != k {
+            found.push(found[equal[k].first]);
             continue;
         }
         let known = firsts.entry((element.category, colours(element))).or_default();
@@ -188,25 +181,20 @@ fn first_like(elements: &[ExemplarElement], first_equal: &[usize]) -> Vec<usize>
     found
 }
 
-/// Angles that differ by less count as equal, in radians.
-const SAME_ANGLE: f64 = 0.05;
+/// Coefficients of maps that differ by less are those of one angle.
+const SAME: f64 = 0.05;
 
-/// The angles by which the members of each class of equal elements are turned.
-fn angles(equal: &[SimilarTo]) -> BTreeMap<usize, Vec<f64>> {
-    let mut all: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
-    for SimilarTo { first, map } in equal {
-        let [a, b, ..] = map.as_coeffs();
-        // Mirrored elements are not turned.
-        if map.determinant() > 0.0 {
-            let turn = libm::atan2(b, a);
-            // -π and π are one angle.
-            let turn = if turn < SAME_ANGLE / 2.0 - PI { turn + TAU } else { turn };
-            all.entry(*first).or_default().push(turn);
-        }
-    }
-    for angles in all.values_mut() {
-        angles.sort_by(f64::total_cmp);
-        angles.dedup_by(|a, b| (*a - *b).abs() < SAME_ANGLE);
-    }
-    all
+/// For each element, the first that equals it without being turned or mirrored.
+fn first_upright(equal: &[SimilarTo]) -> Vec<usize> {
+    let mut firsts: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    let linear = |k: usize| equal[k].map.as_coeffs();
+    let first = |k: usize| {
+        let known = firsts.entry(equal[k].first).or_default();
+        let is_same = |&&other: &&usize| (0..4).all(|c| (linear(k)[c] - linear(other)[c]).abs() < SAME);
+        known.iter().take(64).find(is_same).copied().unwrap_or_else(|| {
+            known.push(k);
+            k
+        })
+    };
+    (0..equal.len()).map(first).collect()
 }

@@ -1,4 +1,4 @@
-//! Selects points that are evenly spread.
+//! Points of which any number can be left out, and the others lie evenly.
 //!
 //! Points are removed one by one, always the most crowded one: weighted sample elimination (Yuksel 2015,
 //! "Sample Elimination for Generating Poisson Disk Sample Sets"). The distance at which points crowd one
@@ -6,22 +6,41 @@
 //! removed. A point then always has about ten neighbours, and the cost is nearly proportional to the number
 //! of points.
 
+use crate::geometry::{NearPoints, Point, shortest_offset};
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
-use vtex_base::geometry::{NearPoints, Point, shortest_offset};
 
 /// Factor by which the number of points falls before the distance is updated.
 const STEP: usize = 3;
+/// The same as a fraction where any number of points may remain: so it suits nearly each.
+const RANKS: (usize, usize) = (4, 5);
 
 /// Indices of `count` of the points, ascending. Equally crowded points are removed in the order of `ties`,
 /// which are random numbers. Along an axis with a period, distances wrap around.
-pub(super) fn spread(points: &[Point], ties: &[u64], periods: [Option<f64>; 2], count: usize) -> Vec<usize> {
+pub fn evenly_reduced(points: &[Point], ties: &[u64], periods: [Option<f64>; 2], count: usize) -> Vec<usize> {
     let mut left: Vec<usize> = (0..points.len()).collect();
     while left.len() > count {
         let goal = count.max(left.len() / STEP);
-        left = eliminated(points, ties, periods, left, goal);
+        left = eliminated(points, ties, periods, left, goal, |_| ());
     }
     left
+}
+
+/// A rank for each point, above 0 and below 1, all as far apart: the points of the lowest ranks lie evenly at any number
+/// of them. `ties` and `periods` are those of [`evenly_reduced`].
+pub fn even_ranks(points: &[Point], ties: &[u64], periods: [Option<f64>; 2]) -> Vec<f64> {
+    let count = points.len();
+    let mut ranks = vec![0.5 / count.max(1) as f64; count];
+    let mut above = count;
+    let mut left: Vec<usize> = (0..count).collect();
+    while left.len() > 1 {
+        let goal = (left.len() * RANKS.0 / RANKS.1).max(1);
+        left = eliminated(points, ties, periods, left, goal, |gone| {
+            above -= 1;
+            ranks[gone] = (above as f64 + 0.5) / count as f64;
+        });
+    }
+    ranks
 }
 
 /// A point that remains.
@@ -53,12 +72,14 @@ impl Ord for Crowded {
     }
 }
 
+/// The points of `left` that are left when all but `goal` are removed; `removed` gets each of the others.
 fn eliminated(
     points: &[Point],
     ties: &[u64],
     periods: [Option<f64>; 2],
     left: Vec<usize>,
     goal: usize,
+    mut removed: impl FnMut(usize),
 ) -> Vec<usize> {
     let kept: Vec<Point> = left.iter().map(|&i| points[i]).collect();
     let (starts, near) = crowding(&kept, periods, reach(&kept, periods, goal));
@@ -79,6 +100,7 @@ fn eliminated(
             continue;
         }
         gone[index] = true;
+        removed(left[index]);
         rest -= 1;
         of(index).iter().for_each(|&(other, w)| weights[other as usize] -= w);
     }
@@ -126,7 +148,7 @@ fn weight(distance: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use vtex_base::sampling::stream;
+    use crate::sampling::stream;
 
     fn points(count: usize, [width, height]: [f64; 2]) -> (Vec<Point>, Vec<u64>) {
         let mut random = stream(1, "test/points", 0);
@@ -149,7 +171,7 @@ mod tests {
             let (points, ties) = points(2000, canvas);
             let periods = canvas.map(Some);
             for count in [600, 100, 9] {
-                let kept = spread(&points, &ties, periods, count);
+                let kept = evenly_reduced(&points, &ties, periods, count);
                 assert_eq!(kept.len(), count);
                 assert!(kept.windows(2).all(|w| w[0] < w[1]));
                 // Their distance in a perfect lattice.
@@ -162,16 +184,36 @@ mod tests {
     }
 
     #[test]
+    fn points_of_the_lowest_ranks_lie_evenly() {
+        let canvas = [400.0, 300.0];
+        let (points, ties) = points(2000, canvas);
+        let ranks = even_ranks(&points, &ties, canvas.map(Some));
+        let mut sorted = ranks.clone();
+        sorted.sort_by(f64::total_cmp);
+        assert!(sorted.iter().zip(0..).all(|(rank, k)| (rank - (f64::from(k) + 0.5) / 2000.0).abs() < 1e-12));
+        for count in [600, 100, 9] {
+            let share = f64::from(count) / 2000.0;
+            let kept: Vec<usize> = (0..2000).filter(|&i| ranks[i] < share).collect();
+            assert_eq!(kept.len(), count as usize);
+            let lattice = libm::sqrt(canvas[0] * canvas[1] * 2.0 / (libm::sqrt(3.0) * f64::from(count)));
+            let apart = shortest(&points, &kept, canvas.map(Some)) / lattice;
+            assert!(apart > 0.35, "{count}: {apart}");
+        }
+        assert!(even_ranks(&[], &[], [None; 2]).is_empty());
+        assert_eq!(even_ranks(&points[..1], &ties, [None; 2]), [0.5]);
+    }
+
+    #[test]
     fn any_points_and_numbers_end() {
         let (mut all, ties) = points(50, [400.0, 300.0]);
         let whole = [None, None];
-        assert_eq!(spread(&all, &ties, whole, 50).len(), 50);
-        assert_eq!(spread(&all, &ties, whole, 70).len(), 50);
-        assert_eq!(spread(&all, &ties, whole, 0).len(), 0);
+        assert_eq!(evenly_reduced(&all, &ties, whole, 50).len(), 50);
+        assert_eq!(evenly_reduced(&all, &ties, whole, 70).len(), 50);
+        assert_eq!(evenly_reduced(&all, &ties, whole, 0).len(), 0);
         all.fill(Point::new(7.0, 7.0));
-        assert_eq!(spread(&all, &ties, whole, 20).len(), 20);
+        assert_eq!(evenly_reduced(&all, &ties, whole, 20).len(), 20);
         all[3] = Point::new(1e7, -1e7);
-        assert!(spread(&all, &ties, [None, Some(0.5)], 20).contains(&3));
-        assert_eq!(spread(&[], &[], whole, 3), Vec::<usize>::new());
+        assert!(evenly_reduced(&all, &ties, [None, Some(0.5)], 20).contains(&3));
+        assert_eq!(evenly_reduced(&[], &[], whole, 3), Vec::<usize>::new());
     }
 }
