@@ -5,6 +5,7 @@
 //! page without a period, whose border is seldom copied.
 
 use crate::board::{Board, BoardElement, FITTING, OPERATIONS};
+use crate::holes::leaves_hole;
 use vtex_base::error::Result;
 use vtex_base::parallel;
 use vtex_base::sampling::stream;
@@ -77,7 +78,7 @@ impl Surplus {
 }
 
 /// Removes elements while all together cover too much, those first that fit the least, but none from number `last` on.
-/// What fits loosely goes down to what is wanted, from categories that cover too much; what fits well stays as long as
+/// None is removed where it would leave a hole. What fits loosely goes down to what is wanted, from categories that cover too much; what fits well stays as long as
 /// it can, since it would be missed. Returns how many.
 ///
 /// # Errors
@@ -103,7 +104,8 @@ pub(crate) fn thin(board: &mut Board<'_>, last: usize, go_on: &dyn Fn() -> Resul
     let mut removed = 0;
     for &(_, id) in order.iter().take_while(|o| o.0 < loose) {
         let Some(element) = board.elements[id] else { continue };
-        if is_alone(board, element.place) && surplus.is_too_many(board, element.place) {
+        let is_spare = is_alone(board, element.place) && surplus.is_too_many(board, element.place);
+        if is_spare && !leaves_hole(board, id) {
             surplus.remove(board, element.place);
             board.remove(id);
             removed += 1;
@@ -114,7 +116,8 @@ pub(crate) fn thin(board: &mut Board<'_>, last: usize, go_on: &dyn Fn() -> Resul
         if board.area <= TOLERATED * wanted {
             break;
         }
-        if board.area - board.size(element.place) >= (2.0 - TOLERATED) * wanted {
+        let is_enough = board.area - board.size(element.place) >= (2.0 - TOLERATED) * wanted;
+        if is_enough && !leaves_hole(board, id) {
             board.remove(id);
             removed += 1;
         }

@@ -62,6 +62,18 @@ pub(crate) fn fill_holes(board: &mut Board<'_>, seed: u64, go_on: &dyn Fn() -> R
     Ok(board.elements.len() - before)
 }
 
+/// Whether an element, if it were removed, would leave a place farther from all others than any of the exemplar.
+pub(crate) fn leaves_hole(board: &Board<'_>, id: usize) -> bool {
+    let Some(element) = board.elements[id] else { return false };
+    let widest = board.relations.widest;
+    let own = board.relations.spots_of(board.figure(element.place));
+    let middle =
+        [0, 1].map(|k| element.at[k] + own.iter().map(|s| s[k]).sum::<f64>() / own.len().max(1) as f64);
+    let others = board.near(middle, widest + board.largest).into_iter().filter(|near| near.0 != id);
+    let mut spots = others.flat_map(|near| spots(board, near.1));
+    !spots.any(|spot| length(board.plane.between(middle, spot)) <= widest)
+}
+
 /// Points of an element.
 fn spots(board: &Board<'_>, element: BoardElement) -> Vec<[f64; 2]> {
     let own = board.relations.spots_of(board.figure(element.place)).iter();

@@ -3,6 +3,7 @@
 use crate::board::{Board, BoardElement};
 use crate::clustering::{ClusteringParts, MOST_STEPS, improve_clusters};
 use crate::figures::{ClusterExemplar, Figure, FigurePlace};
+use crate::holes::leaves_hole;
 use crate::input::{InputSamples, LevelScale};
 use crate::optimise::{ClusterParams, ClusterResult, ClusteredElement, cluster, cluster_beside, level_of};
 use crate::output::{ContextCosts, OutputSamples};
@@ -615,4 +616,30 @@ fn a_page_that_ends_keeps_its_shares_and_distances() {
         let mean = wanted.iter().sum::<f64>() / wanted.len() as f64;
         assert!(off < 0.2 * mean, "{off} of {mean}");
     }
+}
+
+#[test]
+fn an_element_leaves_a_hole_if_all_others_are_farther_than_is_usual() {
+    let exemplar = loose();
+    let mut relations = PlaceRelations::new(&exemplar, &|| Ok(())).unwrap();
+    let standing = copied(&exemplar, &relations).elements;
+    let spots = |relations: &PlaceRelations<'_>, e: &BoardElement| {
+        let own = relations.spots_of(exemplar.places[e.place as usize].figure);
+        own.iter().map(|s| [e.at[0] + s[0], e.at[1] + s[1]]).collect::<Vec<_>>()
+    };
+    let nearest = |id: usize| {
+        let own = spots(&relations, &standing[id].unwrap());
+        let middle = [0, 1].map(|k| own.iter().map(|s| s[k]).sum::<f64>() / own.len() as f64);
+        let others = standing.iter().enumerate().filter(|other| other.0 != id).flat_map(|other| other.1);
+        let all = others.flat_map(|other| spots(&relations, other));
+        all.map(|s| length(exemplar.page.between(middle, s))).fold(f64::INFINITY, f64::min)
+    };
+    let distances: Vec<f64> = (0..standing.len()).map(nearest).collect();
+    let mut sorted = distances.clone();
+    sorted.sort_by(f64::total_cmp);
+    relations.widest = sorted[sorted.len() / 2] + 1e-6;
+    let board = copied(&exemplar, &relations);
+    let found: Vec<bool> = (0..standing.len()).map(|id| leaves_hole(&board, id)).collect();
+    let wanted: Vec<bool> = distances.iter().map(|far| *far > relations.widest).collect();
+    assert!(found == wanted && wanted.contains(&true) && wanted.contains(&false));
 }
