@@ -297,7 +297,7 @@ fn library(
         descriptor_half,
         lattice: match (exemplar.copies, lattice) {
             ([1, 1], Some(known)) => known.of(&exemplar.image),
-            ([1, 1], None) => lattice::find(&exemplar.image, false),
+            ([1, 1], None) => lattice::find(&exemplar.image),
             (copies, _) => small_tiles::lattice([width, height], copies),
         },
         motifs: Vec::new(),

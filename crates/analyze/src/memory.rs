@@ -34,7 +34,7 @@ pub(super) struct LatticeMemory(Option<(RgbImage, Option<Lattice>)>);
 impl LatticeMemory {
     pub(super) fn of(&mut self, image: &RgbImage) -> Option<Lattice> {
         let kept = self.0.take().filter(|(known, _)| known == image);
-        self.0.insert(kept.unwrap_or_else(|| (image.clone(), lattice::find(image, false)))).1.clone()
+        self.0.insert(kept.unwrap_or_else(|| (image.clone(), lattice::find(image)))).1.clone()
     }
 }
 

@@ -13,16 +13,53 @@ pub fn minus(shift: Shift) -> Shift {
 
 /// Neighbours of a pixel, those at corners last.
 const AROUND: [(i32, i32); 8] = [(1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (-1, 1), (-1, -1), (1, -1)];
-/// No mask.
-const NONE: u32 = u32::MAX;
-
 /// The page pixel by pixel: the visible mask at each pixel, and which copy of it.
 pub struct ContactPage {
     /// Width and height, in pixels.
     pub size: [i32; 2],
     periodic: bool,
-    masks: Vec<u32>,
-    shifts: Vec<[i8; 2]>,
+    seen: Vec<Seen>,
+}
+
+/// A copy of a mask.
+#[derive(Clone, Copy, PartialEq)]
+struct Seen {
+    mask: u32,
+    shift: [i8; 2],
+    /// Steps from the mask at which it was reached.
+    steps: u16,
+}
+
+impl Seen {
+    /// No mask.
+    const NONE: Self = Self { mask: u32::MAX, shift: [0; 2], steps: 0 };
+
+    /// A mask itself.
+    fn new(mask: u32, shift: Shift) -> Self {
+        Self { mask, shift: shift.map(|v| v.clamp(-100, 100) as i8), steps: 0 }
+    }
+
+    fn is_none(self) -> bool {
+        self.mask == Self::NONE.mask
+    }
+
+    /// Mask and shift.
+    fn copy(self) -> (u32, Shift) {
+        (self.mask, self.shift.map(i32::from))
+    }
+
+    /// The same copy seen from another copy of the page.
+    fn from(self, across: Shift) -> Self {
+        if across == [0; 2] {
+            return self;
+        }
+        let (mask, shift) = self.copy();
+        Self { steps: self.steps, ..Self::new(mask, [shift[0] - across[0], shift[1] - across[1]]) }
+    }
+
+    fn is_same(self, other: Self) -> bool {
+        (self.mask, self.shift) == (other.mask, other.shift)
+    }
 }
 
 /// Two adjacent masks: the first, the second, and the shift of the second's copy.
@@ -42,7 +79,7 @@ impl ContactPage {
     /// hide others.
     pub fn new(size: [i32; 2], periodic: bool, masks: &[Mask]) -> (Self, BTreeMap<Pair, Contact>) {
         let count = (size[0] * size[1]) as usize;
-        let mut page = Self { size, periodic, masks: vec![NONE; count], shifts: vec![[0; 2]; count] };
+        let mut page = Self { size, periodic, seen: vec![Seen::NONE; count] };
         let mut contacts = BTreeMap::new();
         for (k, mask) in masks.iter().enumerate() {
             page.paint(k as u32, mask, &mut contacts);
@@ -66,25 +103,14 @@ impl ContactPage {
     fn paint_run(&mut self, k: u32, at: [i32; 2], length: usize, contacts: &mut BTreeMap<Pair, Contact>) {
         let Some((i, shift)) = self.place(at) else { return };
         // The pixels lie on the copy of the mask that is moved back to the page.
-        let own = minus(shift);
-        let new = own.map(|v| v as i8);
-        let (masks, shifts) = (&mut self.masks[i..][..length], &mut self.shifts[i..][..length]);
-        let mut hide = |(other, theirs): (u32, [i8; 2]), count: usize| {
-            if other != NONE && (other != k || theirs != new) {
-                let pair = pair((other, theirs.map(i32::from)), (k, own));
-                contacts.entry(pair).or_default().hidden += count as u32;
+        let new = Seen::new(k, minus(shift));
+        for run in self.seen[i..][..length].chunk_by_mut(|a, b| a == b) {
+            let old = run[0];
+            if !old.is_none() && old != new {
+                contacts.entry(pair(old.copy(), new.copy())).or_default().hidden += run.len() as u32;
             }
-        };
-        let mut begin = 0;
-        for x in 1..=length {
-            let last = (masks[begin], shifts[begin]);
-            if x == length || (masks[x], shifts[x]) != last {
-                hide(last, x - begin);
-                begin = x;
-            }
+            run.fill(new);
         }
-        masks.fill(k);
-        shifts.fill(new);
     }
 
     /// The pixel of the page at a place, and in which copy of the page the place lies.
@@ -101,15 +127,14 @@ impl ContactPage {
     #[cfg(test)]
     fn areas(&self, count: usize) -> Vec<u32> {
         let mut areas = vec![0; count];
-        self.masks.iter().filter(|p| **p != NONE).for_each(|p| areas[*p as usize] += 1);
+        self.seen.iter().filter(|p| !p.is_none()).for_each(|p| areas[p.mask as usize] += 1);
         areas
     }
 
     /// Adds masks that lie at most `reach` pixels apart.
-    pub fn near(&self, reach: u16, contacts: &mut BTreeMap<Pair, Contact>) {
-        let (mut masks, mut shifts) = (self.masks.clone(), self.shifts.clone());
-        let mut steps = vec![0u16; masks.len()];
-        let mut front: Vec<usize> = (0..masks.len()).filter(|&i| self.is_rim(i)).collect();
+    pub fn near(mut self, reach: u16, contacts: &mut BTreeMap<Pair, Contact>) {
+        let mut front: Vec<usize> = (0..self.seen.len()).filter(|&i| self.is_rim(i)).collect();
+        let mut seen = std::mem::take(&mut self.seen);
         // The last pair and its distance, because the next pair is usually the same.
         let mut last: Option<(Pair, u16)> = None;
         for step in 0..=reach / 2 {
@@ -117,19 +142,17 @@ impl ContactPage {
             for &i in &front {
                 // Every second step includes corners, so that the reached area grows as an octagon.
                 let around = if step % 2 == 0 { 4 } else { 8 };
-                let at = self.at(i);
+                let (at, here) = (self.at(i), seen[i]);
                 for side in AROUND.into_iter().take(around) {
                     let Some((n, across)) = self.beside(at, side) else { continue };
-                    // The copy as seen from the neighbour's page.
-                    let moved = [0, 1].map(|k| i32::from(shifts[i][k]) - across[k]);
-                    let own = (masks[i], moved.map(|v| v.clamp(-100, 100) as i8));
-                    if masks[n] == NONE {
-                        (masks[n], shifts[n]) = own;
-                        steps[n] = step + 1;
+                    let own = here.from(across);
+                    let there = &mut seen[n];
+                    if there.is_none() {
+                        *there = Seen { steps: step + 1, ..own };
                         next.push(n);
-                    } else if (masks[n], shifts[n]) != own {
-                        let gap = steps[i] + steps[n];
-                        let met = pair((own.0, moved), (masks[n], shifts[n].map(i32::from)));
+                    } else if !there.is_same(own) {
+                        let gap = own.steps + there.steps;
+                        let met = pair(own.copy(), there.copy());
                         if last.is_some_and(|(known, least)| known == met && least <= gap) {
                             continue;
                         }
@@ -145,16 +168,10 @@ impl ContactPage {
 
     /// Whether a pixel of a mask has a neighbour that is not of the same copy of the same mask.
     fn is_rim(&self, i: usize) -> bool {
-        if self.masks[i] == NONE {
-            return false;
-        }
-        let at = self.at(i);
-        let same = |side: (i32, i32)| {
-            let Some((n, across)) = self.beside(at, side) else { return true };
-            let moved = [0, 1].map(|k| i32::from(self.shifts[i][k]) - across[k]);
-            (self.masks[n], self.shifts[n].map(i32::from)) == (self.masks[i], moved)
-        };
-        !AROUND.into_iter().all(same)
+        let (at, own) = (self.at(i), self.seen[i]);
+        let is_other =
+            |side| self.beside(at, side).is_some_and(|(n, across)| !self.seen[n].is_same(own.from(across)));
+        !own.is_none() && AROUND.into_iter().any(is_other)
     }
 
     /// Column and row of a pixel.
@@ -194,12 +211,12 @@ mod tests {
     fn gaps_and_borders() {
         let masks = [block(2, 2, 4, 4), block(8, 2, 4, 4), block(18, 2, 4, 4), block(3, 3, 2, 2)];
         let (page, mut contacts) = ContactPage::new([20, 10], true, &masks);
+        assert_eq!(page.areas(4), [12, 16, 16, 4]);
         page.near(4, &mut contacts);
         assert_eq!(contacts[&(0, 1, [0, 0])].gap, 2);
         // The third wraps to columns 0 and 1 and touches the first.
         assert_eq!(contacts[&(0, 2, [-1, 0])].gap, 0);
         assert_eq!((contacts[&(0, 3, [0, 0])].hidden, contacts[&(0, 3, [0, 0])].gap), (4, 0));
-        assert_eq!(page.areas(4), [12, 16, 16, 4]);
         let (page, mut contacts) = ContactPage::new([20, 10], false, &masks);
         page.near(4, &mut contacts);
         assert!(!contacts.contains_key(&(0, 2, [-1, 0])));

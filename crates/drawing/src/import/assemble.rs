@@ -219,7 +219,7 @@ pub(super) fn assemble(
         coverage,
         arrangement: Arrangement { periodic: wrap, ..Arrangement::from_labels(&labels) },
         descriptor_half: (libm::round(params.descriptor_reach * spacing) as u32).clamp(1, most.max(1)),
-        lattice: lattice::find(&origin.picture, wrap),
+        lattice: if wrap { lattice::of_period(&origin.picture) } else { lattice::find(&origin.picture) },
         motifs,
         guide: Some(guide),
     };

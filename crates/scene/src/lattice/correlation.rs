@@ -16,6 +16,8 @@ pub(super) struct Autocorrelation {
     reach: [i32; 2],
     /// Longest lag along each axis at which enough of the picture overlaps for means, in pixels.
     pub(super) near: [f64; 2],
+    /// Longest lag along each axis of peaks, in pixels.
+    farthest_peak: [i32; 2],
     /// Rows from lag 0 down, columns from the longest lag to the left on.
     values: Vec<f32>,
 }
@@ -25,28 +27,26 @@ impl Autocorrelation {
     pub(super) fn new(one: &Plane, other: Option<&Plane>) -> Self {
         let size = one.size;
         let reach = size.map(|v| (v as f64 * FARTHEST) as i32);
-        let padded = [0, 1].map(|k| fast_size(size[k] + reach[k] as usize));
-        let mut spectrum = Spectrum::new(padded[0], padded[1], |_, _| 0.0);
-        for y in 0..size[1] {
-            for x in 0..size[0] {
-                // Two real planes in one complex one: the real part of its correlation is the sum of theirs.
-                let value =
-                    Complex::new(f64::from(one.at(x, y)), other.map_or(0.0, |o| f64::from(o.at(x, y))));
-                spectrum.data[y * padded[0] + x] = value;
-            }
-        }
-        let mut spectrum = spectrum.transformed(FftDirection::Forward);
-        spectrum.data.iter_mut().for_each(|v| *v = Complex::new(v.norm_sqr(), 0.0));
-        let found = spectrum.transformed(FftDirection::Inverse);
+        let near = size.map(|v| NEAR * v as f64);
         let overlap = |d: i32, k: usize| f64::from(size[k] as i32 - d.abs());
-        let value = |x: i32, y: i32| {
-            let column = x.rem_euclid(padded[0] as i32) as usize;
-            found.data[y as usize * padded[0] + column].re / (overlap(x, 0) * overlap(y, 1))
+        let padded = [0, 1].map(|k| fast_size(size[k] + reach[k] as usize));
+        let found = Circular::new(one, other, padded);
+        let row = |y: i32| {
+            let sums = found.row(y, -reach[0]).zip(-reach[0]..=reach[0]);
+            sums.map(move |(sum, x)| sum / (overlap(x, 0) * overlap(y, 1)))
         };
-        let unit = value(0, 0).max(f64::MIN_POSITIVE);
-        let lags = (0..=reach[1]).flat_map(|y| (-reach[0]..=reach[0]).map(move |x| (x, y)));
-        let values = lags.map(|(x, y)| (value(x, y) / unit) as f32).collect();
-        Self { reach, near: size.map(|v| NEAR * v as f64), values }
+        let means: Vec<f64> = (0..=reach[1]).flat_map(row).collect();
+        Self { reach, near, farthest_peak: near.map(|v| v as i32), values: as_shares(&means, reach) }
+    }
+
+    /// The same for planes that are repeated so many times. Peaks beyond half a period are those before it.
+    pub(super) fn of_period(one: &Plane, other: Option<&Plane>, copies: f64) -> Self {
+        let reach = one.size.map(|v| (copies * v as f64 * FARTHEST) as i32);
+        let near = one.size.map(|v| copies * v as f64 * NEAR);
+        let found = Circular::new(one, other, one.size);
+        let row = |y: i32| found.row(y, -reach[0]).take(2 * reach[0] as usize + 1);
+        let sums: Vec<f64> = (0..=reach[1]).flat_map(row).collect();
+        Self { reach, near, farthest_peak: one.size.map(|v| v as i32 / 2), values: as_shares(&sums, reach) }
     }
 
     /// Correlation at a lag; `None` out of reach.
@@ -59,7 +59,7 @@ impl Autocorrelation {
 
     /// Lags and heights of the peaks in a half plane, those longer than `least`: no value within three pixels is higher.
     pub(super) fn peaks(&self, least: f64) -> Vec<([f64; 2], f64)> {
-        let [rx, ry] = self.near.map(|v| v as i32);
+        let [rx, ry] = self.farthest_peak;
         let lags = (0..=ry).flat_map(|y| (-rx..=rx).map(move |x| [x, y]));
         let is_long =
             |&[x, y]: &[i32; 2]| (y > 0 || x > 0) && libm::hypot(f64::from(x), f64::from(y)) >= least;
@@ -105,6 +105,43 @@ impl Autocorrelation {
         }
         Some(([f64::from(x) + vertex(left, right), f64::from(y) + vertex(above, below)], height))
     }
+}
+
+/// For each lag the sum of the products of the pixels that are so far apart, in planes that repeat.
+struct Circular {
+    size: [usize; 2],
+    sums: Vec<f64>,
+}
+
+impl Circular {
+    /// Correlates one or two planes, which are empty up to `size` and repeat from there.
+    fn new(one: &Plane, other: Option<&Plane>, size: [usize; 2]) -> Self {
+        let mut spectrum = Spectrum::new(size[0], size[1], |_, _| 0.0);
+        for y in 0..one.size[1] {
+            for x in 0..one.size[0] {
+                // Two real planes in one complex one: the real part of its correlation is the sum of theirs.
+                let value =
+                    Complex::new(f64::from(one.at(x, y)), other.map_or(0.0, |o| f64::from(o.at(x, y))));
+                spectrum.data[y * size[0] + x] = value;
+            }
+        }
+        let mut spectrum = spectrum.transformed(FftDirection::Forward);
+        spectrum.data.iter_mut().for_each(|v| *v = Complex::new(v.norm_sqr(), 0.0));
+        let found = spectrum.transformed(FftDirection::Inverse);
+        Self { size, sums: found.data.iter().map(|v| v.re).collect() }
+    }
+
+    /// Sums at the lags `y` and, one after another, from `first`, endlessly.
+    fn row(&self, y: i32, first: i32) -> impl Iterator<Item = f64> {
+        let [y, first] = [(y, 1), (first, 0)].map(|(v, k)| v.rem_euclid(self.size[k] as i32) as usize);
+        self.sums[y * self.size[0]..][..self.size[0]].iter().copied().cycle().skip(first)
+    }
+}
+
+/// Values by lag, from the longest to the left on, as shares of that at lag 0.
+fn as_shares(values: &[f64], reach: [i32; 2]) -> Vec<f32> {
+    let unit = values[reach[0] as usize].max(f64::MIN_POSITIVE);
+    values.iter().map(|value| (value / unit) as f32).collect()
 }
 
 /// The smallest size from `least` on whose only prime factors are 2, 3 and 5, so that its transform is fast.

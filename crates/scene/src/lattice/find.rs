@@ -5,14 +5,16 @@
 //! so everywhere. Colours are correlated, and strengths of edges ([`maps`](super::maps)). Pairs of the highest peaks
 //! propose lattices, and so do rows in two directions ([`rows`]). Each is fitted to the peaks at its multiples. The
 //! smallest cell among the surest is taken. Where even the surest is doubtful, as for courses of bricks of many lengths,
-//! the clearest rows are taken alone. A drawing that is one period is repeated first.
+//! the clearest rows are taken alone. A drawing that is one period repeats exactly: peaks alone propose its lattices, and
+//! only those count whose whole sums its sides are.
 
 use super::correlation::Autocorrelation;
-use super::fit::{fitted, forward, is_same, is_sum, shortest, sum};
+use super::fit::{fitted, forward, is_near, is_same, shortest, sum};
 use super::maps::Maps;
 use super::rows::{self, Rows};
 use super::{LEAST_SINE, Lattice, cross, length};
 use image::RgbImage;
+use std::borrow::Cow;
 use vtex_base::parallel;
 use vtex_base::raster::{Filter, resized};
 
@@ -54,56 +56,87 @@ struct Proposal {
     sure: f64,
 }
 
-/// The lattice of a picture, in its pixels; `None` if it has none. `repeated` if the picture is one period of a
-/// larger one: then it has at least the lattice of its own sides.
-pub fn find(picture: &RgbImage, repeated: bool) -> Option<Lattice> {
-    let (width, height) = picture.dimensions();
-    let side = if repeated { SIDE / PERIODS } else { SIDE };
-    let factor = (f64::from(width.max(height)) / f64::from(side)).max(1.0);
-    let size = [width, height].map(|v| libm::round(f64::from(v) / factor).max(1.0) as u32);
-    let mut reduced = (factor > 1.0).then(|| resized(picture, size[0], size[1], Filter::Triangle));
-    if repeated {
-        let one = reduced.as_ref().unwrap_or(picture);
-        let at = |x: u32, y: u32| *one.get_pixel(x % size[0], y % size[1]);
-        reduced = Some(RgbImage::from_fn(PERIODS * size[0], PERIODS * size[1], at));
+/// The lattice of a picture, in its pixels; `None` if it has none.
+pub fn find(picture: &RgbImage) -> Option<Lattice> {
+    let reduced = Reduced::new(picture, SIDE);
+    if reduced.size().into_iter().min() < Some(LEAST_SIDE) {
+        return None;
     }
-    let reduced = reduced.as_ref().unwrap_or(picture);
-    let found =
-        if reduced.width().min(reduced.height()) < LEAST_SIDE { None } else { lattice(&Maps::new(reduced)) };
-    let scale = [f64::from(width) / f64::from(size[0]), f64::from(height) / f64::from(size[1])];
-    let in_pixels = |found: Lattice| {
-        // Rounded to hundredths, which hides the platform-dependent last digits of a transform.
-        let round = |v: f64| libm::round(v * 100.0) / 100.0 + 0.0;
-        Lattice {
-            vectors: found.vectors.iter().map(|v| [0, 1].map(|k| round(v[k] * scale[k]))).collect(),
-            strength: round(found.strength.clamp(0.0, 1.0)),
-            stray: round(found.stray * scale[0].max(scale[1])),
-        }
-    };
-    let found = found.map(in_pixels).filter(|found| found.fault().is_none());
-    if !repeated {
-        return found;
-    }
-    let sides = [[f64::from(width), 0.0], [0.0, f64::from(height)]];
-    let fits = |found: &Lattice| matches!(found.vectors[..], [a, b] if sides.iter().all(|&side| is_sum(side, [a, b])));
-    found.filter(fits).or_else(|| Lattice::new(&sides).ok())
-}
-
-/// The lattice of maps, or their rows, in their pixels.
-fn lattice(maps: &Maps) -> Option<Lattice> {
+    let maps = Maps::new(&reduced.picture, false);
     let correlate = || {
         let [colour, chroma] = &maps.colour;
         [Autocorrelation::new(colour, Some(chroma)), Autocorrelation::new(&maps.edges, None)]
     };
-    let (rows, correlations) = parallel::join(|| rows::find(maps), correlate);
-    if let Some(best) = best(&proposals(&rows, &correlations)) {
-        return Some(Lattice { vectors: best.vectors.to_vec(), strength: best.height, stray: best.stray });
+    let (rows, correlations) = parallel::join(|| rows::find(&maps), correlate);
+    if let Some(best) = best(&proposals(pairs(&rows, &[], &correlations), &correlations)) {
+        return reduced.in_pixels(&best.vectors, best.height, best.stray);
     }
     let is_clear =
         |rows: &&Rows| rows.period.contrast >= LEAST_CONTRAST[usize::from(rows.period.multiples < 3)];
     let Rows { normal, period } = rows.iter().find(is_clear)?;
-    let vectors = vec![forward(normal.map(|c| c * period.length))];
-    Some(Lattice { vectors, strength: period.height, stray: period.stray })
+    reduced.in_pixels(&[forward(normal.map(|c| c * period.length))], period.height, period.stray)
+}
+
+/// The lattice of a picture that is one period of a larger one, in its pixels: at least that of its own sides. `None` if
+/// it is a few pixels small.
+pub fn of_period(picture: &RgbImage) -> Option<Lattice> {
+    let reduced = Reduced::new(picture, SIDE / PERIODS);
+    let sides = |[width, height]: [u32; 2]| [[f64::from(width), 0.0], [0.0, f64::from(height)]];
+    let own = sides(reduced.size());
+    let maps = Maps::new(&reduced.picture, true);
+    let [colour, chroma] = &maps.colour;
+    let correlate = |one, other| Autocorrelation::of_period(one, other, f64::from(PERIODS));
+    let correlations = [correlate(colour, Some(chroma)), correlate(&maps.edges, None)];
+    // The sides are whole sums of exactly these, and far fewer differ.
+    let exact = |pair| divided(own, pair).filter(|&exact| is_near(pair, exact));
+    let pairs = pairs(&[], &own, &correlations).into_iter().filter_map(exact).collect();
+    let found = best(&proposals(pairs, &correlations))
+        .and_then(|found| reduced.in_pixels(&divided(own, found.vectors)?, found.height, found.stray));
+    found.or_else(|| Lattice::new(&sides(picture.dimensions().into())).ok())
+}
+
+/// The vectors near two others whose whole sums two sides are; `None` if the others are too long.
+fn divided(sides: [[f64; 2]; 2], [a, b]: [[f64; 2]; 2]) -> Option<[[f64; 2]; 2]> {
+    let of = |side| [cross(side, b), cross(a, side)].map(|v| libm::round(v / cross(a, b)));
+    let [[p, q], [r, s]] = sides.map(of);
+    let count = p * s - q * r;
+    (count != 0.0).then(|| [sum(sides, [s / count, -q / count]), sum(sides, [-r / count, p / count])])
+}
+
+/// A picture, made smaller.
+struct Reduced<'a> {
+    picture: Cow<'a, RgbImage>,
+    /// Pixels of the picture to one of it, along x and y.
+    scale: [f64; 2],
+}
+
+impl<'a> Reduced<'a> {
+    /// A picture whose longer side is at most `longest` pixels.
+    fn new(picture: &'a RgbImage, longest: u32) -> Self {
+        let (width, height) = picture.dimensions();
+        let factor = (f64::from(width.max(height)) / f64::from(longest)).max(1.0);
+        let size = [width, height].map(|v| libm::round(f64::from(v) / factor).max(1.0) as u32);
+        let scale = [f64::from(width) / f64::from(size[0]), f64::from(height) / f64::from(size[1])];
+        let smaller = (factor > 1.0).then(|| resized(picture, size[0], size[1], Filter::Triangle));
+        Self { picture: smaller.map_or(Cow::Borrowed(picture), Cow::Owned), scale }
+    }
+
+    fn size(&self) -> [u32; 2] {
+        self.picture.dimensions().into()
+    }
+
+    /// The lattice of vectors found in it, in pixels of the picture, and its other figures; `None` if it is invalid.
+    fn in_pixels(&self, vectors: &[[f64; 2]], height: f64, stray: f64) -> Option<Lattice> {
+        let scale = self.scale;
+        // Rounded to hundredths, which hides the platform-dependent last digits of a transform.
+        let round = |v: f64| libm::round(v * 100.0) / 100.0 + 0.0;
+        let lattice = Lattice {
+            vectors: vectors.iter().map(|v| [0, 1].map(|k| round(v[k] * scale[k]))).collect(),
+            strength: round(height.clamp(0.0, 1.0)),
+            stray: round(stray * scale[0].max(scale[1])),
+        };
+        lattice.fault().is_none().then_some(lattice)
+    }
 }
 
 /// The smallest cell of nearly the surest lattice.
@@ -116,8 +149,8 @@ fn best(proposals: &[Proposal]) -> Option<Proposal> {
     proposals.iter().filter(is_one).filter(is_near).min_by(|a, b| area(a).total_cmp(&area(b))).copied()
 }
 
-/// The lattices that peaks and rows propose.
-fn proposals(rows: &[Rows], correlations: &[Autocorrelation; 2]) -> Vec<Proposal> {
+/// Pairs of vectors of rows, and pairs of peaks and of periods that are known.
+fn pairs(rows: &[Rows], known: &[[f64; 2]], correlations: &[Autocorrelation; 2]) -> Vec<[[f64; 2]; 2]> {
     let mut pairs: Vec<[[f64; 2]; 2]> = Vec::new();
     for (i, one) in rows.iter().enumerate() {
         for other in &rows[..i] {
@@ -127,11 +160,16 @@ fn proposals(rows: &[Rows], correlations: &[Autocorrelation; 2]) -> Vec<Proposal
         }
     }
     for correlation in correlations {
-        let peaks = high_peaks(correlation);
+        let peaks = [high_peaks(correlation), known.to_vec()].concat();
         for (i, &p) in peaks.iter().enumerate() {
             pairs.extend(peaks[..i].iter().filter(|&&q| is_apart(p, q)).map(|&q| [p, q]));
         }
     }
+    pairs
+}
+
+/// The lattices of pairs of vectors that differ, judged.
+fn proposals(pairs: Vec<[[f64; 2]; 2]>, correlations: &[Autocorrelation; 2]) -> Vec<Proposal> {
     let mut different: Vec<[[f64; 2]; 2]> = Vec::new();
     for pair in pairs.into_iter().map(shortest).filter(|pair| length(pair[0]) >= SHORTEST) {
         if !different.iter().any(|&other| is_same(pair, other)) {
@@ -165,7 +203,11 @@ fn high_peaks(correlation: &Autocorrelation) -> Vec<[f64; 2]> {
 /// A lattice fitted to a correlation, with its means at the multiples and half-way between them.
 fn judged(correlation: &Autocorrelation, vectors: [[f64; 2]; 2]) -> Option<Proposal> {
     let (vectors, stray) = fitted(correlation, vectors).unwrap_or((vectors, 0.0));
+    // A fit may go astray.
     let vectors = shortest(vectors);
+    if !is_apart(vectors[0], vectors[1]) {
+        return None;
+    }
     let on = mean(correlation, vectors, [0.0; 2]).filter(|on| on.count >= LEAST_MULTIPLES)?;
     let half_way = [[0.5, 0.0], [0.0, 0.5], [0.5, 0.5]].map(|offset| mean(correlation, vectors, offset));
     let [mut rise, mut sure] = [f64::MAX; 2];

@@ -28,7 +28,7 @@ pub(super) fn fitted(correlation: &Autocorrelation, vectors: [[f64; 2]; 2]) -> O
     let mut stray = 0.0;
     // Multiples are used from the nearest outwards: each fit predicts the places of the next ring.
     for most in 1..=MULTIPLES {
-        let radius = (ASTRAY * length(vectors[0]).min(length(vectors[1]))).clamp(1.0, MOST_ASTRAY) as i32;
+        let radius = astray(vectors) as i32;
         let factors = (-most..=most).flat_map(|m| (0..=most).map(move |n| [f64::from(n), f64::from(m)]));
         let wanted = factors.filter(|&[n, m]| n > 0.0 || m > 0.0).filter(|&factors| {
             correlation.at(sum(vectors, factors).map(|c| libm::round(c) as i32)).is_some()
@@ -52,6 +52,16 @@ pub(super) fn fitted(correlation: &Autocorrelation, vectors: [[f64; 2]; 2]) -> O
         stray = libm::sqrt(found.iter().map(miss).sum::<f64>() / found.len() as f64);
     }
     (share >= LEAST_SHARE).then_some((vectors, stray))
+}
+
+/// Largest distance of peaks from a lattice, in pixels.
+fn astray(vectors: [[f64; 2]; 2]) -> f64 {
+    (ASTRAY * length(vectors[0]).min(length(vectors[1]))).clamp(1.0, MOST_ASTRAY)
+}
+
+/// Whether peaks at two vectors may be those of two others.
+pub(super) fn is_near(peaks: [[f64; 2]; 2], vectors: [[f64; 2]; 2]) -> bool {
+    (0..2).all(|k| length(sum([peaks[k], vectors[k]], [1.0, -1.0])) <= astray(vectors))
 }
 
 /// The sum of two vectors times two factors.
@@ -89,8 +99,9 @@ pub(super) fn shortest([mut a, mut b]: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
         }
         let n = libm::round(dot(a, b) / dot(a, a));
         let shorter = [b[0] - n * a[0], b[1] - n * a[1]];
-        // Without this, two vectors of equal length would be exchanged endlessly.
-        if dot(shorter, shorter) >= dot(b, b) * 0.999 {
+        // Without this, two vectors of equal length would be exchanged endlessly, and so would vectors of no length.
+        let is_shorter = dot(shorter, shorter) < dot(b, b) * 0.999;
+        if !is_shorter {
             break;
         }
         b = shorter;

@@ -22,15 +22,18 @@ pub(super) struct Maps {
 }
 
 impl Maps {
-    pub(super) fn new(image: &RgbImage) -> Self {
+    /// The maps of a picture. One that `repeats` has no clouds: whatever it has, it has in each period.
+    pub(super) fn new(image: &RgbImage, repeats: bool) -> Self {
         let [l, a, b] = oklab_planes(image, 1);
         let size = l.size;
-        let fine = [l, main_component(&a, &b)].map(|plane| plane.blurred(SMALLEST, [false; 2]));
-        let [edges, cosine, sine] = edges(&fine);
+        let fine = [l, main_component(&a, &b)].map(|plane| plane.blurred(SMALLEST, [repeats; 2]));
+        let [edges, cosine, sine] = edges(&fine, repeats);
         let sigma = LARGEST * size[0].min(size[1]) as f32;
         let clear = |plane: &Plane| {
-            let clouds = clouds(plane, sigma);
-            let values: Vec<f32> = plane.values.iter().zip(clouds).map(|(f, c)| f - c).collect();
+            let mut values = plane.values.clone();
+            if !repeats {
+                values.iter_mut().zip(clouds(plane, sigma)).for_each(|(value, cloud)| *value -= cloud);
+            }
             let mean = values.iter().sum::<f32>() / values.len().max(1) as f32;
             Plane { size, values: values.into_iter().map(|v| v - mean).collect() }
         };
@@ -73,17 +76,19 @@ fn clouds(plane: &Plane, sigma: f32) -> Vec<f32> {
 
 /// Strength of edges in several planes together, and that times cosine and sine of twice the direction across
 /// them: from the sum of their structure tensors (Di Zenzo, "A Note on the Gradient of a Multi-Image", 1986).
-fn edges(planes: &[Plane; 2]) -> [Plane; 3] {
+fn edges(planes: &[Plane; 2], repeats: bool) -> [Plane; 3] {
     let size = planes[0].size;
+    // The pixel before and that after.
+    let beside = |k: usize, v: usize| {
+        let end = size[k] - 1;
+        let outside = if repeats { [end, 0] } else { [0, end] };
+        [if v > 0 { v - 1 } else { outside[0] }, if v < end { v + 1 } else { outside[1] }]
+    };
     let mut values = Vec::with_capacity(size[0] * size[1]);
     for y in 0..size[1] {
         for x in 0..size[0] {
-            let slope = |p: &Plane| {
-                [
-                    p.at((x + 1).min(size[0] - 1), y) - p.at(x.saturating_sub(1), y),
-                    p.at(x, (y + 1).min(size[1] - 1)) - p.at(x, y.saturating_sub(1)),
-                ]
-            };
+            let ([left, right], [above, below]) = (beside(0, x), beside(1, y));
+            let slope = |p: &Plane| [p.at(right, y) - p.at(left, y), p.at(x, below) - p.at(x, above)];
             let [mut along, mut across, mut both] = [0.0; 3];
             for [u, v] in planes.each_ref().map(slope) {
                 along += u * u;

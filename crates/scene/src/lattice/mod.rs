@@ -13,7 +13,7 @@ mod rows;
 #[cfg(test)]
 mod tests;
 
-pub use find::find;
+pub use find::{find, of_period};
 
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;

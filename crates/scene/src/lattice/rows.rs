@@ -50,6 +50,7 @@ pub(super) struct Period {
 /// The clearest rows of each direction in which there are any, clearest first. Of directions side by side only the
 /// clearest is given.
 pub(super) fn find(maps: &Maps) -> Vec<Rows> {
+    let maps = &[0, 1].map(|along| Lines::new(maps, along));
     let degrees: Vec<f64> = (0..DIRECTIONS).map(|k| f64::from(k) * 180.0 / f64::from(DIRECTIONS)).collect();
     let coarse = parallel::map(&degrees, |&degrees| across(maps, degrees, 2));
     let contrast = |k: usize| coarse[k].map_or(0.0, |rows| rows.period.contrast);
@@ -71,13 +72,55 @@ pub(super) fn find(maps: &Maps) -> Vec<Rows> {
     found
 }
 
+/// Fractions of a pixel that are distinguished.
+const FRACTION_BITS: u32 = 24;
+const FRACTIONS: f64 = (1u64 << FRACTION_BITS) as f64;
+/// Number of maps whose lines are averaged: lightness, and the three of edges.
+const MAPS: usize = 4;
+
+/// Maps pixel by pixel, in lines along x or y.
+struct Lines {
+    length: usize,
+    values: Vec<[f32; MAPS]>,
+    /// Mean products of each two maps.
+    products: [[f64; MAPS]; MAPS],
+}
+
+impl Lines {
+    /// Lines along x, or along y if `along` is 1.
+    fn new(maps: &Maps, along: usize) -> Self {
+        let planes = [&maps.colour[0], &maps.edges, &maps.turned[0], &maps.turned[1]];
+        let size = maps.edges.size;
+        let [length, count] = [size[along], size[1 - along]];
+        let at = |line: usize, place: usize| {
+            let [x, y] = if along == 0 { [place, line] } else { [line, place] };
+            planes.map(|plane| plane.at(x, y))
+        };
+        let values: Vec<_> =
+            (0..count).flat_map(|line| (0..length).map(move |place| at(line, place))).collect();
+        let product = |a: usize, b: usize| {
+            values.iter().map(|v| f64::from(v[a] * v[b])).sum::<f64>() / values.len() as f64
+        };
+        let products = std::array::from_fn(|a| std::array::from_fn(|b| product(a, b)));
+        Self { length, values, products }
+    }
+}
+
 /// The clearest rows across a direction. Of each line of pixels every `step`th is looked at.
-fn across(maps: &Maps, degrees: f64, step: usize) -> Option<Rows> {
+fn across(maps: &[Lines; 2], degrees: f64, step: usize) -> Option<Rows> {
     let (sine, cosine) = libm::sincos(degrees.to_radians());
-    let profiles = Profile::both(maps, [cosine, sine], step);
+    let normal = [cosine, sine];
+    // Along the lines that are least at right angles to it, neighbours lie apart.
+    let along = usize::from(cosine.abs() < sine.abs());
+    let profiles = Profile::both(&maps[along], [normal[along], normal[1 - along]], double(normal), step);
     let clearest =
         profiles.iter().filter_map(Profile::period).max_by(|a, b| a.contrast.total_cmp(&b.contrast));
-    clearest.map(|period| Rows { normal: [cosine, sine], period })
+    clearest.map(|period| Rows { normal, period })
+}
+
+/// The unit vector at twice the angle.
+fn double([x, y]: [f64; 2]) -> [f64; 2] {
+    [x * x - y * y, 2.0 * x * y]
 }
 
 /// Correlation of the means of a picture's lines.
@@ -86,57 +129,46 @@ struct Profile {
 }
 
 impl Profile {
-    /// Profiles of lightness and of edges across a direction, a unit vector; of each line of pixels every `step`th,
-    /// in turn.
-    fn both(maps: &Maps, normal: [f64; 2], step: usize) -> [Self; 2] {
-        let [width, height] = maps.edges.size;
-        // Double the angle of the normal: edges across it count in full, those along it not at all.
-        let turned =
-            [normal[0] * normal[0] - normal[1] * normal[1], 2.0 * normal[0] * normal[1]].map(|v| v as f32);
-        let low =
-            [width, height].iter().zip(normal).map(|(&side, n)| (n * side as f64).min(0.0)).sum::<f64>();
-        let high =
-            [width, height].iter().zip(normal).map(|(&side, n)| (n * side as f64).max(0.0)).sum::<f64>();
-        let length = (high - low) as usize + 3;
-        let mut sums = vec![[0f32; 3]; length];
-        let mut squares = [0f64; 2];
-        for y in 0..height {
-            let (mut row, start) = ([0f32; 2], y * width);
-            for x in (y % step..width).step_by(step) {
-                let i = start + x;
-                let edge = 0.5
-                    * (maps.edges.values[i]
-                        + turned[0] * maps.turned[0].values[i]
-                        + turned[1] * maps.turned[1].values[i]);
-                let value = [maps.colour[0].values[i], edge];
-                (0..2).for_each(|k| row[k] += value[k] * value[k]);
-                let t = (normal[0] * x as f64 + normal[1] * y as f64 - low) as f32;
-                let (bin, part) = (t as usize, t.fract());
+    /// Profiles of lightness and of edges across a direction, given by its parts along the lines of pixels and across them,
+    /// and by the unit vector at twice its angle; of each line of pixels every `step`th, in turn.
+    fn both(maps: &Lines, normal: [f64; 2], double: [f64; 2], step: usize) -> [Self; 2] {
+        let sides = [maps.length, maps.values.len() / maps.length];
+        let ends = [f64::min, f64::max]
+            .map(|end| (0..2).map(|k| end(normal[k] * sides[k] as f64, 0.0)).sum::<f64>());
+        let count = (ends[1] - ends[0]) as usize + 4;
+        let (mut sums, mut pixels) = (vec![[0f32; MAPS]; count], vec![0f32; count]);
+        // Places as whole numbers, in fractions of a pixel, of which the first is a pixel away from the first bin.
+        let [start, along, across] =
+            [1.0 - ends[0], normal[0], normal[1]].map(|v| libm::round(v * FRACTIONS) as i64);
+        for (line, values) in maps.values.chunks_exact(maps.length).enumerate() {
+            let mut at = start + across * line as i64 + along * (line % step) as i64;
+            for value in values[line % step..].iter().step_by(step) {
+                let (bin, part) =
+                    ((at >> FRACTION_BITS) as usize, (at & (FRACTIONS as i64 - 1)) as f32 / FRACTIONS as f32);
                 for (bin, share) in [(bin, 1.0 - part), (bin + 1, part)] {
-                    (0..2).for_each(|k| sums[bin][k] += share * value[k]);
-                    sums[bin][2] += share;
+                    let mut sum = sums[bin];
+                    (0..MAPS).for_each(|k| sum[k] += share * value[k]);
+                    sums[bin] = sum;
+                    pixels[bin] += share;
                 }
+                at += along * step as i64;
             }
-            (0..2).for_each(|k| squares[k] += f64::from(row[k]));
         }
-        let longest = sums.iter().map(|s| f64::from(s[2])).fold(0.0, f64::max);
-        let is_long = |s: &[f32; 3]| f64::from(s[2]) >= LEAST_LINE * longest;
-        let first = sums.iter().position(is_long).unwrap_or(0);
-        let last = sums.iter().rposition(is_long).map_or(first, |last| last + 1);
-        let lines = &sums[first..last];
-        [0, 1].map(|k| {
-            let variance = (squares[k] * step as f64 / (width * height) as f64).max(f64::MIN_POSITIVE);
-            // The mean of each line, and its number of pixels.
-            let means: Vec<(f64, f32)> = lines.iter().map(|s| (f64::from(s[k] / s[2]), s[2])).collect();
-            let at = |lag: usize| {
-                let pairs = means.iter().zip(&means[lag..]);
-                let (sum, weight) = pairs.fold((0.0, 0.0), |(sum, weight), (a, b)| {
-                    let own = f64::from(a.1 * b.1);
-                    (sum + own * a.0 * b.0, weight + own)
-                });
-                sum / weight / variance
-            };
-            Self { correlation: (0..(lines.len() as f64 * FARTHEST) as usize).map(at).collect() }
+        let least = LEAST_LINE * f64::from(pixels.iter().copied().fold(0.0, f32::max));
+        let is_long = |count: &f32| f64::from(*count) >= least;
+        let first = pixels.iter().position(is_long).unwrap_or(0);
+        let last = pixels.iter().rposition(is_long).map_or(first, |last| last + 1);
+        let weights: Vec<f64> = pixels[first..last].iter().copied().map(f64::from).collect();
+        let lags = 0..(weights.len() as f64 * FARTHEST) as usize;
+        let pairs: Vec<f64> = lags.clone().map(|lag| correlated(&weights, lag)).collect();
+        // Edges across the direction count in full, those along it not at all.
+        [[1.0, 0.0, 0.0, 0.0], [0.0, 0.5, 0.5 * double[0], 0.5 * double[1]]].map(|shares: [f64; MAPS]| {
+            let total = |v: &[f32; MAPS]| (0..MAPS).map(|k| shares[k] * f64::from(v[k])).sum();
+            let sums: Vec<f64> = sums[first..last].iter().map(total).collect();
+            let products = maps.products.map(|row| (0..MAPS).map(|k| shares[k] * row[k]).sum::<f64>());
+            let variance = (0..MAPS).map(|k| shares[k] * products[k]).sum::<f64>().max(f64::MIN_POSITIVE);
+            let at = |lag: usize| correlated(&sums, lag) / pairs[lag] / variance;
+            Self { correlation: lags.clone().map(at).collect() }
         })
     }
 
@@ -198,4 +230,18 @@ impl Profile {
         let is_clear = contrast >= least && stray <= (MOST_STRAY[0] * length).max(MOST_STRAY[1]);
         is_clear.then_some(Period { length, contrast, height: lowest, stray, multiples: places.len() })
     }
+}
+
+/// The sum of the products of values that are `lag` apart.
+fn correlated(values: &[f64], lag: usize) -> f64 {
+    const LANES: usize = 4;
+    let (early, late) = (&values[..values.len() - lag], &values[lag..]);
+    let (a, a_rest) = early.as_chunks::<LANES>();
+    let (b, b_rest) = late.as_chunks::<LANES>();
+    // Separate sums depend on one another no more than the processor's lanes do.
+    let mut sums = [0.0; LANES];
+    for (a, b) in a.iter().zip(b) {
+        (0..LANES).for_each(|k| sums[k] += a[k] * b[k]);
+    }
+    sums.iter().sum::<f64>() + a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum::<f64>()
 }

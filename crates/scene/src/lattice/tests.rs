@@ -95,13 +95,13 @@ fn same(found: &Lattice, wanted: [[f64; 2]; 2]) -> bool {
 fn shares(count: u64) -> (f64, f64) {
     let right = (0..count).filter(|&seed| {
         let (image, wanted) = regular(seed);
-        let found = find(&image, false);
+        let found = find(&image);
         if !found.as_ref().is_some_and(|found| same(found, wanted)) {
             println!("seed {seed}: {wanted:.1?} found as {found:.1?}");
         }
         found.is_some_and(|found| same(&found, wanted))
     });
-    let wrong = (0..count).filter(|&seed| find(&irregular(seed), false).is_some());
+    let wrong = (0..count).filter(|&seed| find(&irregular(seed)).is_some());
     (right.count() as f64 / count as f64, wrong.count() as f64 / count as f64)
 }
 
@@ -144,7 +144,7 @@ fn planks_are_rows_with_a_free_axis() {
         let light = if y % 37 < 4 { 50.0 } else { 150.0 } + random.range(-10.0, 10.0);
         Rgb([light as u8; 3])
     });
-    let found = find(&image, false).unwrap();
+    let found = find(&image).unwrap();
     let [[x, y]] = found.vectors[..] else { panic!("{found:?}") };
     assert!(x.abs() < 0.5 && (y.abs() - 37.0).abs() < 0.3, "{found:?}");
 }
@@ -155,8 +155,8 @@ fn a_period_of_a_drawing_is_one_of_its_lattice() {
         let [dx, dy] = [f64::from(x) - 30.0, f64::from(y) - 24.0];
         Rgb(if libm::hypot(dx, dy) < 12.0 { [200, 40, 40] } else { [240; 3] })
     });
-    assert_eq!(find(&image, false), None);
-    assert!(same(&find(&image, true).unwrap(), [[60.0, 0.0], [0.0, 48.0]]));
+    assert_eq!(find(&image), None);
+    assert!(same(&of_period(&image).unwrap(), [[60.0, 0.0], [0.0, 48.0]]));
 }
 
 #[test]
@@ -218,7 +218,7 @@ fn rows_that_are_seen_at_once_are_found_and_others_are_not() {
     };
     for file in files.map(|file| file.unwrap().path()).filter(|file| file.is_file()) {
         let Ok(image) = image::open(&file) else { continue };
-        let found = find(&image.to_rgb8(), false);
+        let found = find(&image.to_rgb8());
         let name = file.file_stem().unwrap().to_string_lossy().into_owned();
         println!("{name}: {found:.2?}");
         match (SEEN.iter().find(|seen| seen.0 == name), found) {
@@ -266,4 +266,10 @@ fn cells_are_drawn_around_the_elements() {
     let heights: Vec<f64> = rows.iter().map(|[a, _]| libm::round(a[1])).collect();
     assert_eq!(heights.iter().map(|h| h.rem_euclid(25.0)).collect::<Vec<_>>(), vec![23.0; rows.len()]);
     assert_eq!(rows.len(), 4);
+}
+
+#[test]
+fn vectors_of_no_length_are_no_endless_work() {
+    let [zero, other] = fit::shortest([[3.0, 4.0], [0.0; 2]]);
+    assert_eq!((zero, other), ([0.0; 2], [3.0, 4.0]));
 }

@@ -30,6 +30,8 @@ pub(super) struct OccupiedCanvas<'a> {
     cells: Vec<u32>,
     /// The cells that hold one.
     taken: TakenCells,
+    /// Whether these are the same cells: elements have not changed places since they were written.
+    is_current: bool,
     /// Whether the holes of elements are theirs.
     solid: bool,
     /// Pixels of elements turned about the origin, by element and map. Coefficients are in units of [`STEP`].
@@ -56,21 +58,19 @@ impl<'a> OccupiedCanvas<'a> {
         let pixels = size[0] as u64 * size[1] as u64;
         let cells = vec![0; if pixels <= most { pixels as usize } else { return None }];
         let (taken, turned) = (TakenCells::none(cells.len()), BTreeMap::new());
-        Some(Self { library, relations, first, size, canvas, wrap, cells, taken, solid: true, turned })
-    }
-
-    /// The cell of a pixel of the canvas.
-    fn cell(&self, at: [i32; 2]) -> Option<usize> {
-        let mut v = [at[0] - self.first[0], at[1] - self.first[1]];
-        for k in 0..2 {
-            if self.wrap[k] {
-                v[k] = v[k].rem_euclid(self.size[k]);
-            } else if !(0..self.size[k]).contains(&v[k]) {
-                return None;
-            }
-        }
-        let i = v[1] as usize * self.size[0] as usize + v[0] as usize;
-        (i < self.cells.len()).then_some(i)
+        Some(Self {
+            library,
+            relations,
+            first,
+            size,
+            canvas,
+            wrap,
+            cells,
+            taken,
+            is_current: true,
+            solid: true,
+            turned,
+        })
     }
 
     /// The pixels of an element in a map, and the whole pixels by which they are moved.
@@ -116,22 +116,21 @@ impl<'a> OccupiedCanvas<'a> {
 
     /// Writes the endless elements, which are in every period at the place that the arrangement gives.
     fn write_endless(&mut self) {
-        let labels = self.library.arrangement.to_labels();
         let is_endless: Vec<bool> = self.library.primaries().iter().map(|e| e.clipped).collect();
         if !is_endless.contains(&true) {
             return;
         }
-        for y in 0..self.size[1] {
-            for x in 0..self.size[0] {
-                let [u, v] = [(x + self.first[0], labels.width), (y + self.first[1], labels.height)]
-                    .map(|(v, size)| v.rem_euclid(size as i32) as u32);
-                let label = labels.get(u, v);
+        let labels = self.library.arrangement.to_labels();
+        let width = self.size[0] as usize;
+        let period = [labels.width, labels.height].map(|size| size as i32);
+        let first = [0, 1].map(|k| self.first[k].rem_euclid(period[k]) as usize);
+        let rows = labels.labels.chunks_exact(labels.width as usize).cycle().skip(first[1]);
+        for ((cells, row), y) in self.cells.chunks_exact_mut(width).zip(rows).zip(0..) {
+            let seen = row.iter().cycle().skip(first[0]);
+            for ((cell, &label), x) in cells.iter_mut().zip(seen).zip(0..) {
                 if label > 0 && is_endless[label as usize - 1] {
-                    let i = y as usize * self.size[0] as usize + x as usize;
-                    if let Some(cell) = self.cells.get_mut(i) {
-                        *cell = u32::MAX - label;
-                        self.taken.set(i..i + 1, true);
-                    }
+                    *cell = u32::MAX - label;
+                    self.taken.set_one(y * width + x, true);
                 }
             }
         }
@@ -142,6 +141,10 @@ impl<'a> OccupiedCanvas<'a> {
         let [width, height] = self.size.map(i64::from);
         let [x0, x1, y] =
             [x0 - i64::from(self.first[0]), x1 - i64::from(self.first[0]), y - i64::from(self.first[1])];
+        if x0 >= 0 && x0 < x1 && x1 <= width && (0..height).contains(&y) {
+            let row = y * width;
+            return [(row + x0) as usize..(row + x1) as usize, 0..0];
+        }
         let y = if self.wrap[1] { y.rem_euclid(height) } else { y };
         if !(0..height).contains(&y) {
             return [0..0, 0..0];
@@ -158,6 +161,18 @@ impl<'a> OccupiedCanvas<'a> {
         [cells(start, start + length), cells(0, start + length - width)]
     }
 
+    /// Takes or frees the pixels of an element that lies on no other.
+    pub(super) fn set_taken(&mut self, p: &DrawnElement, taken: bool) {
+        self.is_current = false;
+        let (mask, shift) = self.mask(p);
+        let [dx, dy] = shift.map(i64::from);
+        for s in mask.spans() {
+            for part in self.row_cells(i64::from(s.x0) + dx, i64::from(s.x1) + dx, i64::from(s.y) + dy) {
+                self.taken.set(part, taken);
+            }
+        }
+    }
+
     /// Writes `new` on the pixels of an element that hold `old`, or on all if `old` is 0.
     pub(super) fn write(&mut self, p: &DrawnElement, new: u32, old: u32) {
         let (mask, shift) = self.mask(p);
@@ -172,7 +187,7 @@ impl<'a> OccupiedCanvas<'a> {
                 }
                 for (i, cell) in part.zip(cells).filter(|(_, cell)| **cell == old) {
                     *cell = new;
-                    self.taken.set(i..i + 1, new != 0);
+                    self.taken.set_one(i, new != 0);
                 }
             }
         }
@@ -240,7 +255,7 @@ impl<'a> OccupiedCanvas<'a> {
         go_on: impl Fn() -> Result<()>,
     ) -> Result<Vec<f64>> {
         // What is seen through holes is not covered.
-        if self.relations.solid.iter().any(Option::is_some) {
+        if !self.is_current || self.relations.solid.iter().any(Option::is_some) {
             self.solid = false;
             self.turned.clear();
             self.cells.fill(0);
@@ -250,17 +265,18 @@ impl<'a> OccupiedCanvas<'a> {
         let elements = &self.library.elements;
         let mut counts = vec![0u64; self.library.categories.len()];
         let canvas = Rect::new(0.0, 0.0, f64::from(self.canvas[0]), f64::from(self.canvas[1]));
-        for y in 0..self.canvas[1] {
+        let [left, top] = self.first.map(|v| -v as usize);
+        let [width, height] = self.canvas.map(|v| v as usize);
+        for row in self.cells.chunks_exact(self.size[0] as usize).skip(top).take(height) {
             go_on()?;
-            for x in 0..self.canvas[0] {
-                let Some(&cell) = self.cell([x, y]).and_then(|i| self.cells.get(i)) else { continue };
-                let element = match cell {
+            for run in row[left..][..width].chunk_by(|a, b| a == b) {
+                let element = match run[0] {
                     0 => continue,
                     own if own as usize <= placed.len() => placed[own as usize - 1].element,
                     label => (u32::MAX - label) as usize - 1,
                 };
                 if let Some(category) = elements[element].category {
-                    counts[category.index()] += 1;
+                    counts[category.index()] += run.len() as u64;
                 }
             }
         }

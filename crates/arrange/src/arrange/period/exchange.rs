@@ -176,21 +176,21 @@ impl OccupiedCanvas<'_> {
     /// Exchanges two elements if both fit; whether they did.
     fn try_swap(&mut self, placed: &mut [DrawnElement], [a, b]: [usize; 2]) -> bool {
         let (old_a, old_b) = (placed[a], placed[b]);
-        self.write(&old_a, 0, a as u32 + 1);
-        self.write(&old_b, 0, b as u32 + 1);
+        self.set_taken(&old_a, false);
+        self.set_taken(&old_b, false);
         let new_a = self.moved_to(&old_a, self.centre(&old_b));
         if self.fits(&new_a, 1.0) {
-            self.write(&new_a, a as u32 + 1, 0);
+            self.set_taken(&new_a, true);
             let new_b = self.moved_to(&old_b, self.centre(&old_a));
             if self.fits(&new_b, 1.0) {
-                self.write(&new_b, b as u32 + 1, 0);
+                self.set_taken(&new_b, true);
                 (placed[a], placed[b]) = (new_a, new_b);
                 return true;
             }
-            self.write(&new_a, 0, a as u32 + 1);
+            self.set_taken(&new_a, false);
         }
-        self.write(&old_a, a as u32 + 1, 0);
-        self.write(&old_b, b as u32 + 1, 0);
+        self.set_taken(&old_a, true);
+        self.set_taken(&old_b, true);
         false
     }
 
@@ -198,7 +198,7 @@ impl OccupiedCanvas<'_> {
     /// places with, and leave the place of the period in this way.
     fn walk(&mut self, placed: &mut [DrawnElement], i: usize, share: f64, random: &mut Stream) {
         let old = placed[i];
-        self.write(&old, 0, i as u32 + 1);
+        self.set_taken(&old, false);
         let centre = self.centre(&old);
         // Elements as far apart as in the drawing neither crowd nor leave gaps.
         let clearance = CLEARANCES[self.clearances(&old).saturating_sub(2)];
@@ -211,7 +211,7 @@ impl OccupiedCanvas<'_> {
                 break;
             }
         }
-        self.write(&placed[i].clone(), i as u32 + 1, 0);
+        self.set_taken(&placed[i], true);
     }
 
     /// Moves an element to a nearby place on which the others weigh less and which is no nearer to one of them, if such a
@@ -225,7 +225,7 @@ impl OccupiedCanvas<'_> {
         random: &mut Stream,
     ) {
         let old = placed[i];
-        self.write(&old, 0, i as u32 + 1);
+        self.set_taken(&old, false);
         let (centre, zone) = (self.centre(&old), self.zone(&old));
         let mut least = spread.load(i, centre);
         let clearance = CLEARANCES[self.clearances(&old).saturating_sub(1)];
@@ -241,7 +241,7 @@ impl OccupiedCanvas<'_> {
                 least = load;
             }
         }
-        self.write(&placed[i].clone(), i as u32 + 1, 0);
+        self.set_taken(&placed[i], true);
         spread.set(i, self.centre(&placed[i]));
     }
 

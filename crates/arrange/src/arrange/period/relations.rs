@@ -14,8 +14,8 @@ use vtex_scene::scene::pixels;
 
 /// Drawings with fewer elements count as regular.
 const FEWEST: usize = 5;
-/// Largest distance of neighbours, in pixels.
-const REACH: u16 = 60;
+/// Largest gap between neighbours that is distinguished, in pixels.
+const REACH: u16 = 40;
 
 /// The relations between the elements of a drawing.
 pub(super) struct ElementRelations {
@@ -147,7 +147,7 @@ fn clearance(free: &[bool], gaps: &[u16]) -> i32 {
     let mut gaps: Vec<u16> = (0..free.len()).filter(|&k| free[k]).map(|k| gaps[k].min(REACH)).collect();
     gaps.sort_unstable();
     let usual = gaps.get(gaps.len() / 5).copied().unwrap_or(1);
-    i32::from(usual).clamp(2, 40) * 3 / 4
+    i32::from(usual.max(2)) * 3 / 4
 }
 
 /// Largest difference between the logarithms of the areas of like elements.

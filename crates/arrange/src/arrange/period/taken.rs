@@ -13,6 +13,13 @@ impl TakenCells {
         Self(vec![0; count.div_ceil(BITS)])
     }
 
+    /// Takes or frees a cell.
+    pub(super) fn set_one(&mut self, cell: usize, taken: bool) {
+        let bit = 1 << (cell % BITS);
+        let word = &mut self.0[cell / BITS];
+        *word = if taken { *word | bit } else { *word & !bit };
+    }
+
     /// Takes or frees cells.
     pub(super) fn set(&mut self, cells: Range<usize>, taken: bool) {
         for (word, bits) in words(cells) {
@@ -59,6 +66,10 @@ mod tests {
             taken.set(start + (end - start) / 2..end, false);
             assert_eq!(taken.any(0..200), end > start + 1);
             taken.clear();
+            assert!(!taken.any(0..200));
+            (start..end).for_each(|cell| taken.set_one(cell, true));
+            assert!((0..200).all(|cell| taken.any(cell..cell + 1) == (start..end).contains(&cell)));
+            (start..end).for_each(|cell| taken.set_one(cell, false));
             assert!(!taken.any(0..200));
         }
     }

@@ -28,7 +28,7 @@ const IN_JOINTS: f64 = 0.6;
 
 /// Masks in which each cell of the picture's rows is one; unchanged where it has no rows with clear joints.
 pub(super) fn whole_cells(masks: Vec<ScoredMask>, image: &RgbImage) -> Vec<ScoredMask> {
-    let Some(lattice) = lattice::find(image, false).filter(lattice::Lattice::is_kept) else { return masks };
+    let Some(lattice) = lattice::find(image).filter(lattice::Lattice::is_kept) else { return masks };
     let planes = oklab_planes(image, 1);
     let Some(joint) = Joint::new(&planes, &lattice) else { return masks };
     let found = cells(&joint);
