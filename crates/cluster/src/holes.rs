@@ -38,7 +38,7 @@ pub(crate) fn fill_holes(board: &mut Board<'_>, seed: u64, go_on: &dyn Fn() -> R
             go_on()?;
         }
         let cell = middle.map(|v| (v / (0.5 * widest)) as u32);
-        if !tried.insert(cell) || is_near(board, middle, widest, before) {
+        if !tried.insert(cell) || is_near(board, middle, widest, |id| id >= before) {
             continue;
         }
         let mut random = stream(seed, "cluster/holes", n as u64);
@@ -69,9 +69,7 @@ pub(crate) fn leaves_hole(board: &Board<'_>, id: usize) -> bool {
     let own = board.relations.spots_of(board.figure(element.place));
     let middle =
         [0, 1].map(|k| element.at[k] + own.iter().map(|s| s[k]).sum::<f64>() / own.len().max(1) as f64);
-    let others = board.near(middle, widest + board.largest).into_iter().filter(|near| near.0 != id);
-    let mut spots = others.flat_map(|near| spots(board, near.1));
-    !spots.any(|spot| length(board.plane.between(middle, spot)) <= widest)
+    widest.is_finite() && !is_near(board, middle, widest, |other| other != id)
 }
 
 /// Points of an element.
@@ -80,11 +78,9 @@ fn spots(board: &Board<'_>, element: BoardElement) -> Vec<[f64; 2]> {
     own.map(|s| board.plane.wrapped([element.at[0] + s[0], element.at[1] + s[1]])).collect()
 }
 
-/// Whether an element with a number from `first` on is near a place.
-fn is_near(board: &Board<'_>, at: [f64; 2], within: f64, first: usize) -> bool {
-    let reach = within + board.largest;
-    let new = board.elements[first..].iter().flatten();
-    let near = new.filter(|e| length(board.plane.between(at, e.at)) < reach);
-    let mut spots = near.flat_map(|e| spots(board, *e));
+/// Whether one of the elements whose numbers `count` is near a place.
+fn is_near(board: &Board<'_>, at: [f64; 2], within: f64, count: impl Fn(usize) -> bool) -> bool {
+    let near = board.near(at, within + board.largest).into_iter().filter(|near| count(near.0));
+    let mut spots = near.flat_map(|near| spots(board, near.1));
     spots.any(|s| length(board.plane.between(at, s)) <= within)
 }

@@ -13,6 +13,7 @@ pub fn minus(shift: Shift) -> Shift {
 
 /// Neighbours of a pixel, those at corners last.
 const AROUND: [(i32, i32); 8] = [(1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (-1, 1), (-1, -1), (1, -1)];
+
 /// The page pixel by pixel: the visible mask at each pixel, and which copy of it.
 pub struct ContactPage {
     /// Width and height, in pixels.
@@ -22,7 +23,7 @@ pub struct ContactPage {
 }
 
 /// A copy of a mask.
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Clone, Copy)]
 struct Seen {
     mask: u32,
     shift: [i8; 2],
@@ -57,6 +58,7 @@ impl Seen {
         Self { steps: self.steps, ..Self::new(mask, [shift[0] - across[0], shift[1] - across[1]]) }
     }
 
+    /// Whether both are the same copy, reached or not.
     fn is_same(self, other: Self) -> bool {
         (self.mask, self.shift) == (other.mask, other.shift)
     }
@@ -104,9 +106,9 @@ impl ContactPage {
         let Some((i, shift)) = self.place(at) else { return };
         // The pixels lie on the copy of the mask that is moved back to the page.
         let new = Seen::new(k, minus(shift));
-        for run in self.seen[i..][..length].chunk_by_mut(|a, b| a == b) {
+        for run in self.seen[i..][..length].chunk_by_mut(|a, b| a.is_same(*b)) {
             let old = run[0];
-            if !old.is_none() && old != new {
+            if !old.is_none() && !old.is_same(new) {
                 contacts.entry(pair(old.copy(), new.copy())).or_default().hidden += run.len() as u32;
             }
             run.fill(new);

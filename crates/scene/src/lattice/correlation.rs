@@ -39,7 +39,8 @@ impl Autocorrelation {
         Self { reach, near, farthest_peak: near.map(|v| v as i32), values: as_shares(&means, reach) }
     }
 
-    /// The same for planes that are repeated so many times. Peaks beyond half a period are those before it.
+    /// Correlates planes of one period, as if each were repeated `copies` times along both axes. Peaks are sought up to
+    /// half a period: farther ones are the same again.
     pub(super) fn of_period(one: &Plane, other: Option<&Plane>, copies: f64) -> Self {
         let reach = one.size.map(|v| (copies * v as f64 * FARTHEST) as i32);
         let near = one.size.map(|v| copies * v as f64 * NEAR);

@@ -77,8 +77,8 @@ pub fn find(picture: &RgbImage) -> Option<Lattice> {
     reduced.in_pixels(&[forward(normal.map(|c| c * period.length))], period.height, period.stray)
 }
 
-/// The lattice of a picture that is one period of a larger one, in its pixels: at least that of its own sides. `None` if
-/// it is a few pixels small.
+/// The lattice of a picture that repeats, in pixels. If nothing smaller repeats within the picture, the vectors are its
+/// sides. `None` if a side is shorter than 4 pixels.
 pub fn of_period(picture: &RgbImage) -> Option<Lattice> {
     let reduced = Reduced::new(picture, SIDE / PERIODS);
     let sides = |[width, height]: [u32; 2]| [[f64::from(width), 0.0], [0.0, f64::from(height)]];

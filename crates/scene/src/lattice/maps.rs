@@ -2,6 +2,7 @@
 
 use image::RgbImage;
 use vtex_base::raster::blur::{Plane, oklab_planes};
+use vtex_base::raster::continued;
 
 /// Deviation of the blur that is subtracted, as a share of the shorter side, so that clouds do not count as
 /// periods.
@@ -79,11 +80,7 @@ fn clouds(plane: &Plane, sigma: f32) -> Vec<f32> {
 fn edges(planes: &[Plane; 2], repeats: bool) -> [Plane; 3] {
     let size = planes[0].size;
     // The pixel before and that after.
-    let beside = |k: usize, v: usize| {
-        let end = size[k] - 1;
-        let outside = if repeats { [end, 0] } else { [0, end] };
-        [if v > 0 { v - 1 } else { outside[0] }, if v < end { v + 1 } else { outside[1] }]
-    };
+    let beside = |k: usize, v: usize| [v as i64 - 1, v as i64 + 1].map(|v| continued(v, size[k], repeats));
     let mut values = Vec::with_capacity(size[0] * size[1]);
     for y in 0..size[1] {
         for x in 0..size[0] {

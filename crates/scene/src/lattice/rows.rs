@@ -24,6 +24,11 @@ const FARTHEST: f64 = 0.6;
 const MULTIPLES: [usize; 2] = [5, 2];
 /// Places of a profile count whose lines are at least this share of the longest.
 const LEAST_LINE: f64 = 0.3;
+/// Fractions of a pixel that are distinguished.
+const FRACTION_BITS: u32 = 24;
+const FRACTIONS: f64 = (1u64 << FRACTION_BITS) as f64;
+/// Number of maps whose lines are averaged: lightness, and the three of edges.
+const MAPS: usize = 4;
 
 /// Rows across a direction.
 #[derive(Clone, Copy, Debug)]
@@ -50,7 +55,7 @@ pub(super) struct Period {
 /// The clearest rows of each direction in which there are any, clearest first. Of directions side by side only the
 /// clearest is given.
 pub(super) fn find(maps: &Maps) -> Vec<Rows> {
-    let maps = &[0, 1].map(|along| Lines::new(maps, along));
+    let maps = &PixelMaps::new(maps);
     let degrees: Vec<f64> = (0..DIRECTIONS).map(|k| f64::from(k) * 180.0 / f64::from(DIRECTIONS)).collect();
     let coarse = parallel::map(&degrees, |&degrees| across(maps, degrees, 2));
     let contrast = |k: usize| coarse[k].map_or(0.0, |rows| rows.period.contrast);
@@ -72,55 +77,41 @@ pub(super) fn find(maps: &Maps) -> Vec<Rows> {
     found
 }
 
-/// Fractions of a pixel that are distinguished.
-const FRACTION_BITS: u32 = 24;
-const FRACTIONS: f64 = (1u64 << FRACTION_BITS) as f64;
-/// Number of maps whose lines are averaged: lightness, and the three of edges.
-const MAPS: usize = 4;
-
-/// Maps pixel by pixel, in lines along x or y.
-struct Lines {
-    length: usize,
-    values: Vec<[f32; MAPS]>,
+/// Maps pixel by pixel.
+struct PixelMaps {
+    /// Columns and rows.
+    size: [usize; 2],
+    /// The values of all maps, row by row, and column by column.
+    values: [Vec<[f32; MAPS]>; 2],
     /// Mean products of each two maps.
     products: [[f64; MAPS]; MAPS],
 }
 
-impl Lines {
-    /// Lines along x, or along y if `along` is 1.
-    fn new(maps: &Maps, along: usize) -> Self {
+impl PixelMaps {
+    fn new(maps: &Maps) -> Self {
         let planes = [&maps.colour[0], &maps.edges, &maps.turned[0], &maps.turned[1]];
-        let size = maps.edges.size;
-        let [length, count] = [size[along], size[1 - along]];
-        let at = |line: usize, place: usize| {
-            let [x, y] = if along == 0 { [place, line] } else { [line, place] };
-            planes.map(|plane| plane.at(x, y))
-        };
-        let values: Vec<_> =
-            (0..count).flat_map(|line| (0..length).map(move |place| at(line, place))).collect();
-        let product = |a: usize, b: usize| {
-            values.iter().map(|v| f64::from(v[a] * v[b])).sum::<f64>() / values.len() as f64
-        };
-        let products = std::array::from_fn(|a| std::array::from_fn(|b| product(a, b)));
-        Self { length, values, products }
+        let size @ [width, height] = maps.edges.size;
+        let at = |x: usize, y: usize| planes.map(|plane| plane.at(x, y));
+        let rows: Vec<_> = (0..height).flat_map(|y| (0..width).map(move |x| at(x, y))).collect();
+        let columns = (0..width).flat_map(|x| (0..height).map(move |y| at(x, y))).collect();
+        let mut products = [[0.0; MAPS]; MAPS];
+        for value in &rows {
+            for (a, row) in products.iter_mut().enumerate() {
+                row.iter_mut().enumerate().for_each(|(b, sum)| *sum += f64::from(value[a] * value[b]));
+            }
+        }
+        let count = rows.len() as f64;
+        Self { size, values: [rows, columns], products: products.map(|row| row.map(|sum| sum / count)) }
     }
 }
 
 /// The clearest rows across a direction. Of each line of pixels every `step`th is looked at.
-fn across(maps: &[Lines; 2], degrees: f64, step: usize) -> Option<Rows> {
+fn across(maps: &PixelMaps, degrees: f64, step: usize) -> Option<Rows> {
     let (sine, cosine) = libm::sincos(degrees.to_radians());
-    let normal = [cosine, sine];
-    // Along the lines that are least at right angles to it, neighbours lie apart.
-    let along = usize::from(cosine.abs() < sine.abs());
-    let profiles = Profile::both(&maps[along], [normal[along], normal[1 - along]], double(normal), step);
+    let profiles = Profile::both(maps, [cosine, sine], step);
     let clearest =
         profiles.iter().filter_map(Profile::period).max_by(|a, b| a.contrast.total_cmp(&b.contrast));
-    clearest.map(|period| Rows { normal, period })
-}
-
-/// The unit vector at twice the angle.
-fn double([x, y]: [f64; 2]) -> [f64; 2] {
-    [x * x - y * y, 2.0 * x * y]
+    clearest.map(|period| Rows { normal: [cosine, sine], period })
 }
 
 /// Correlation of the means of a picture's lines.
@@ -129,18 +120,23 @@ struct Profile {
 }
 
 impl Profile {
-    /// Profiles of lightness and of edges across a direction, given by its parts along the lines of pixels and across them,
-    /// and by the unit vector at twice its angle; of each line of pixels every `step`th, in turn.
-    fn both(maps: &Lines, normal: [f64; 2], double: [f64; 2], step: usize) -> [Self; 2] {
-        let sides = [maps.length, maps.values.len() / maps.length];
-        let ends = [f64::min, f64::max]
-            .map(|end| (0..2).map(|k| end(normal[k] * sides[k] as f64, 0.0)).sum::<f64>());
+    /// Profiles of lightness and of edges across a direction, a unit vector; of each line of pixels every `step`th,
+    /// in turn.
+    fn both(maps: &PixelMaps, normal: [f64; 2], step: usize) -> [Self; 2] {
+        // Double the angle of the normal: edges across it count in full, those along it not at all.
+        let turned = [normal[0] * normal[0] - normal[1] * normal[1], 2.0 * normal[0] * normal[1]];
+        let shares = [[1.0, 0.0, 0.0, 0.0], [0.0, 0.5, 0.5 * turned[0], 0.5 * turned[1]]];
+        // Along the lines of pixels that are least at right angles to it, neighbours fall into different bins.
+        let axis = usize::from(normal[0].abs() < normal[1].abs());
+        let [sides, normal] = [maps.size.map(|side| side as f64), normal].map(|v| [v[axis], v[1 - axis]]);
+        let ends =
+            [f64::min, f64::max].map(|end| (0..2).map(|k| end(normal[k] * sides[k], 0.0)).sum::<f64>());
         let count = (ends[1] - ends[0]) as usize + 4;
         let (mut sums, mut pixels) = (vec![[0f32; MAPS]; count], vec![0f32; count]);
         // Places as whole numbers, in fractions of a pixel, of which the first is a pixel away from the first bin.
         let [start, along, across] =
             [1.0 - ends[0], normal[0], normal[1]].map(|v| libm::round(v * FRACTIONS) as i64);
-        for (line, values) in maps.values.chunks_exact(maps.length).enumerate() {
+        for (line, values) in maps.values[axis].chunks_exact(maps.size[axis]).enumerate() {
             let mut at = start + across * line as i64 + along * (line % step) as i64;
             for value in values[line % step..].iter().step_by(step) {
                 let (bin, part) =
@@ -161,8 +157,7 @@ impl Profile {
         let weights: Vec<f64> = pixels[first..last].iter().copied().map(f64::from).collect();
         let lags = 0..(weights.len() as f64 * FARTHEST) as usize;
         let pairs: Vec<f64> = lags.clone().map(|lag| correlated(&weights, lag)).collect();
-        // Edges across the direction count in full, those along it not at all.
-        [[1.0, 0.0, 0.0, 0.0], [0.0, 0.5, 0.5 * double[0], 0.5 * double[1]]].map(|shares: [f64; MAPS]| {
+        shares.map(|shares: [f64; MAPS]| {
             let total = |v: &[f32; MAPS]| (0..MAPS).map(|k| shares[k] * f64::from(v[k])).sum();
             let sums: Vec<f64> = sums[first..last].iter().map(total).collect();
             let products = maps.products.map(|row| (0..MAPS).map(|k| shares[k] * row[k]).sum::<f64>());

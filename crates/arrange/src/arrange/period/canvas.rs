@@ -30,8 +30,6 @@ pub(super) struct OccupiedCanvas<'a> {
     cells: Vec<u32>,
     /// The cells that hold one.
     taken: TakenCells,
-    /// Whether these are the same cells: elements have not changed places since they were written.
-    is_current: bool,
     /// Whether the holes of elements are theirs.
     solid: bool,
     /// Pixels of elements turned about the origin, by element and map. Coefficients are in units of [`STEP`].
@@ -58,19 +56,7 @@ impl<'a> OccupiedCanvas<'a> {
         let pixels = size[0] as u64 * size[1] as u64;
         let cells = vec![0; if pixels <= most { pixels as usize } else { return None }];
         let (taken, turned) = (TakenCells::none(cells.len()), BTreeMap::new());
-        Some(Self {
-            library,
-            relations,
-            first,
-            size,
-            canvas,
-            wrap,
-            cells,
-            taken,
-            is_current: true,
-            solid: true,
-            turned,
-        })
+        Some(Self { library, relations, first, size, canvas, wrap, cells, taken, solid: true, turned })
     }
 
     /// The pixels of an element in a map, and the whole pixels by which they are moved.
@@ -141,6 +127,7 @@ impl<'a> OccupiedCanvas<'a> {
         let [width, height] = self.size.map(i64::from);
         let [x0, x1, y] =
             [x0 - i64::from(self.first[0]), x1 - i64::from(self.first[0]), y - i64::from(self.first[1])];
+        // Most rows lie within the canvas.
         if x0 >= 0 && x0 < x1 && x1 <= width && (0..height).contains(&y) {
             let row = y * width;
             return [(row + x0) as usize..(row + x1) as usize, 0..0];
@@ -161,9 +148,8 @@ impl<'a> OccupiedCanvas<'a> {
         [cells(start, start + length), cells(0, start + length - width)]
     }
 
-    /// Takes or frees the pixels of an element that lies on no other.
+    /// Takes or frees the pixels of an element that lies on no other, whatever is written there.
     pub(super) fn set_taken(&mut self, p: &DrawnElement, taken: bool) {
-        self.is_current = false;
         let (mask, shift) = self.mask(p);
         let [dx, dy] = shift.map(i64::from);
         for s in mask.spans() {
@@ -245,7 +231,7 @@ impl<'a> OccupiedCanvas<'a> {
         p.map * self.relations.bounds[p.element].center()
     }
 
-    /// Share of the canvas that each category covers. Calls `go_on` before each row.
+    /// Share of the canvas that each category covers. Calls `go_on` before each element and each row.
     ///
     /// # Errors
     /// Those of `go_on`.
@@ -255,13 +241,12 @@ impl<'a> OccupiedCanvas<'a> {
         go_on: impl Fn() -> Result<()>,
     ) -> Result<Vec<f64>> {
         // What is seen through holes is not covered.
-        if !self.is_current || self.relations.solid.iter().any(Option::is_some) {
-            self.solid = false;
-            self.turned.clear();
-            self.cells.fill(0);
-            self.taken.clear();
-            self.write_all(placed, &go_on)?;
-        }
+        self.solid = false;
+        let solid = &self.relations.solid;
+        self.turned.retain(|(element, _), _| solid[*element].is_none());
+        self.cells.fill(0);
+        self.taken.clear();
+        self.write_all(placed, &go_on)?;
         let elements = &self.library.elements;
         let mut counts = vec![0u64; self.library.categories.len()];
         let canvas = Rect::new(0.0, 0.0, f64::from(self.canvas[0]), f64::from(self.canvas[1]));

@@ -94,10 +94,8 @@ fn place_within(
     if let Some(mut canvas) = OccupiedCanvas::new(drawing, params, &relations, most) {
         if variation > 0.0 {
             alike.exchange(&mut placed, |p| canvas.zone(p), (variation, params.seed));
-        }
-        canvas.write_all(&placed, || advance(progress, "primaries", 0, 2))?;
-        go_on()?;
-        if variation > 0.0 {
+            canvas.write_all(&placed, || advance(progress, "primaries", 0, 2))?;
+            go_on()?;
             canvas.vary(&mut placed, variation, params.seed, go_on)?;
         }
         if units.is_none() {
@@ -112,8 +110,8 @@ fn place_within(
         relations = ElementRelations::new(library);
         let mut apart = TakenApart::new(units, &placed);
         if let Some(mut canvas) = OccupiedCanvas::new(library, params, &relations, most) {
-            canvas.write_all(&apart.placed, go_on)?;
             if variation > 0.0 {
+                canvas.write_all(&apart.placed, go_on)?;
                 apart.vary(&mut canvas, units, variation, params.seed, go_on)?;
             }
             covered = Some(canvas.covered(&apart.placed, go_on)?);

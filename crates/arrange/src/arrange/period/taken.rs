@@ -15,17 +15,19 @@ impl TakenCells {
 
     /// Takes or frees a cell.
     pub(super) fn set_one(&mut self, cell: usize, taken: bool) {
-        let bit = 1 << (cell % BITS);
-        let word = &mut self.0[cell / BITS];
-        *word = if taken { *word | bit } else { *word & !bit };
+        self.set_bits(cell / BITS, 1 << (cell % BITS), taken);
     }
 
     /// Takes or frees cells.
     pub(super) fn set(&mut self, cells: Range<usize>, taken: bool) {
         for (word, bits) in words(cells) {
-            let word = &mut self.0[word];
-            *word = if taken { *word | bits } else { *word & !bits };
+            self.set_bits(word, bits, taken);
         }
+    }
+
+    fn set_bits(&mut self, word: usize, bits: u64, taken: bool) {
+        let word = &mut self.0[word];
+        *word = if taken { *word | bits } else { *word & !bits };
     }
 
     /// Whether a cell is taken.
