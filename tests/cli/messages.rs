@@ -508,8 +508,14 @@ fn a_texture_without_elements_is_warned_of() {
     assert!(run.stderr.contains("0 elements in 0 categories, elements cover 0 %"), "{}", run.stderr);
     let run = folder.run("synth line.lib.json --size 200 --seed 1 -o some.svg").succeeds();
     assert!(!run.stderr.contains("warning") && run.stderr.contains("in 1 category"), "{}", run.stderr);
-    // Without --method, nobody is told to leave it out.
+    // What cannot turn stays as it is.
     let run = folder.run("synth line.lib.json --rotate 20 --size 200 --seed 1 -o turned.svg").succeeds();
+    for said in ["warning: no element is turned, mirrored or resized", "in 1 category"] {
+        assert!(run.stderr.contains(said), "{}", run.stderr);
+    }
+    // Without --method, nobody is told to leave it out.
+    let run =
+        folder.run("synth line.lib.json --density photo.png --size 200 --seed 1 -o thin.svg").succeeds();
     assert!(run.stderr.contains("hint: leave out --rotate, --mirror"), "{}", run.stderr);
     folder.write("none.masks.png", encode(&GrayImage::new(96, 80).into(), ImageFormat::Png));
     let run = folder.run("texture photo.png --masks none.masks.png --size 60 --seed 1 -o a.svg").succeeds();

@@ -40,6 +40,17 @@ impl DrawnContext {
         self.replacing(|shape| if kept.next() == Some(&false) { Vec::new() } else { vec![shape] })
     }
 
+    /// The shapes of the drawing in its painting order.
+    pub(crate) fn shapes(&self) -> Vec<Shape> {
+        let drawing = &self.drawing;
+        let placed = |instance: &ExemplarInstance| {
+            let map = Affine::new(instance.transform);
+            let element = drawing.elements.get(instance.element.index());
+            element.into_iter().flat_map(move |e| e.shapes.iter().map(move |s| s.moved(map)))
+        };
+        drawing.layers.iter().flat_map(|layer| &layer.instances).flat_map(placed).collect()
+    }
+
     /// The context with each shape of its drawing replaced by others.
     fn replacing(&self, mut by: impl FnMut(Shape) -> Vec<Shape>) -> Self {
         let mut context = Self { anew: false, ..self.clone() };

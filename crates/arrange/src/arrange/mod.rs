@@ -24,6 +24,7 @@ pub(crate) mod period;
 mod picture;
 pub(crate) mod region;
 pub(crate) mod sites;
+pub(crate) mod taken;
 #[cfg(test)]
 mod tests;
 pub(crate) mod turned;

@@ -2,6 +2,7 @@
 
 use super::compose::{Arranged, Placement, What};
 use super::covered::{MOVED, is_moved};
+use super::in_place::vary_in_place;
 use super::methods::PlacementMethod;
 use super::recognised::{ShapeLook, StandingDrawing, oklab};
 use super::refusal::refusal;
@@ -130,6 +131,7 @@ impl PlacementMethod for Clustered {
         let arranged = Arranged::of_drawing(plan, variation, placements, report);
         let mut arranged = Arranged { counted: Some("primaries"), ..arranged };
         thin(&mut arranged, plan, "primaries", progress)?;
+        vary_in_place(&mut arranged, plan, "primaries", progress)?;
         Ok(arranged)
     }
 

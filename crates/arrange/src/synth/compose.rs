@@ -8,6 +8,7 @@ use crate::arrange::correspondence::SecondaryPlace;
 use crate::arrange::model::Content;
 use crate::arrange::variation::Variation;
 use crate::arrange::{PlacedElement, PlacementResult, Plan};
+use std::collections::BTreeMap;
 use vtex_base::error::Result;
 use vtex_base::progress::{Progress, advance};
 use vtex_base::raster::colour::Colour;
@@ -83,6 +84,18 @@ impl<'a> Arranged<'a> {
         let mut blank = blank(plan, layers);
         blank.parameters = blank.parameters.map(|p| SynthParams { variation: Some(variation), ..p });
         Self::new(blank, placements, report)
+    }
+
+    /// The thing of which each placement is all or a part, by its number: motifs are whole things.
+    pub(super) fn things(&self) -> Vec<usize> {
+        let mut of_motif = BTreeMap::new();
+        let mut numbers = 0..;
+        let mut next = || numbers.next().unwrap_or_default();
+        let number = |placement: &Placement<'_>| match placement.motif {
+            Some(motif) => *of_motif.entry(motif).or_insert_with(&mut next),
+            None => next(),
+        };
+        self.placements.iter().map(number).collect()
     }
 
     /// The scene, and all that is to be said of it.

@@ -44,9 +44,18 @@ pub(super) struct Curves {
     cells: Option<CellDrawing>,
 }
 
+/// The drawing of a plan that asks for nothing that curves do not follow; else what they are for.
+fn drawing_of<'a>(plan: &'a Plan<'_>) -> Result<&'a Library, &'static str> {
+    if plan.params.varies() {
+        Err("without turned, mirrored or resized elements")
+    } else {
+        single_drawing(plan)
+    }
+}
+
 impl PlacementMethod for Curves {
     fn fits(plan: &Plan<'_>, progress: &dyn Progress) -> Result<Self> {
-        let library = single_drawing(plan).map_err(|allowed| refusal(Method::Curves, allowed))?;
+        let library = drawing_of(plan).map_err(|allowed| refusal(Method::Curves, allowed))?;
         if plan.controls.density.is_some() && plan.controls.context.is_some() {
             return Err(refusal(Method::Curves, "without a map of densities, beside a drawing that stays"));
         }
@@ -72,7 +81,7 @@ impl Curves {
     /// # Errors
     /// [`Error::Interrupted`].
     pub(super) fn of_rearranged_cells(plan: &Plan<'_>, progress: &dyn Progress) -> Result<Option<Self>> {
-        if single_drawing(plan).is_err() {
+        if drawing_of(plan).is_err() {
             return Ok(None);
         }
         let Some(cells) = cells_of(plan, progress)? else { return Ok(None) };

@@ -22,6 +22,7 @@ mod covered;
 mod curves;
 mod drawn;
 mod excluded;
+mod in_place;
 #[cfg(feature = "curves")]
 mod line_density;
 #[cfg(feature = "curves")]

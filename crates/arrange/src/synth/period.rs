@@ -1,6 +1,7 @@
 //! Periodic drawings: textures placed by the drawing's period ([`crate::arrange::period`]).
 
 use super::compose::{Arranged, Placement, What};
+use super::in_place::vary_in_place;
 use super::methods::PlacementMethod;
 use super::refusal::refusal;
 use super::report::SynthReport;
@@ -20,7 +21,7 @@ pub(super) struct Periodic;
 
 impl PlacementMethod for Periodic {
     fn fits(plan: &Plan<'_>, _: &dyn Progress) -> Result<Self> {
-        let allowed = "for one drawing whose borders join, without turned or mirrored elements, and with a map of densities only where \
+        let allowed = "for one drawing whose borders join, and with a map of densities only where \
              no line runs on from copy to copy";
         if applies(plan) { Ok(Self) } else { Err(refusal(Method::Period, allowed)) }
     }
@@ -29,7 +30,7 @@ impl PlacementMethod for Periodic {
         let library = &plan.libraries[0];
         let repeated = place(library, &plan.params, progress)?;
         let placements = placements(library, &plan.params, &repeated).collect();
-        let period = repeated.repeating;
+        let period = repeated.repeating.filter(|_| !plan.params.varies());
         let report = SynthReport { period, ..SynthReport::of_drawing(library, 1.0, Some(repeated.covered)) };
         let mut arranged = Arranged::of_drawing(plan, repeated.variation, placements, report);
         if plan.params.tile.any() {
@@ -40,6 +41,7 @@ impl PlacementMethod for Periodic {
             arranged.blank.stacking = [0, 1].map(|k| stacking[k].saturating_mul(periods[k]));
         }
         thin(&mut arranged, plan, "primaries", progress)?;
+        vary_in_place(&mut arranged, plan, "primaries", progress)?;
         Ok(arranged)
     }
 }
@@ -54,7 +56,7 @@ pub(super) fn applies(plan: &Plan<'_>) -> bool {
         && !library.is_layered();
     let can_thin = controls.density.is_none() || !library.primaries().iter().any(|e| e.clipped);
     let clips = controls.domain.is_none() || plan.params.edge == Edge::Clip;
-    drawn && clips && !plan.params.varies() && can_thin && controls.structure.is_none()
+    drawn && clips && can_thin && controls.structure.is_none()
 }
 
 /// The elements that reach the canvas, layer by layer in painting order. Equal elements are instances of the

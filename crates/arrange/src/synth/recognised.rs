@@ -30,7 +30,7 @@ pub(super) struct StandingDrawing {
 impl StandingDrawing {
     /// Recognises the elements of a library in the drawing of a context.
     pub(super) fn new(library: &ClusteredDrawing, context: &DrawnContext, canvas: [f64; 2]) -> Self {
-        let shapes = shapes(&context.drawing);
+        let shapes = context.shapes();
         let region = Interior::new(&context.region);
         let (mut figures, mut places, mut recognised) = (Vec::new(), Vec::new(), 0);
         let mut is_kept = vec![true; shapes.len()];
@@ -92,19 +92,6 @@ struct RecognisedElement {
 /// The page of a drawing that stands.
 fn page(drawing: &Library) -> PeriodicPlane {
     PeriodicPlane { size: [drawing.source.width, drawing.source.height].map(f64::from), wraps: [false; 2] }
-}
-
-/// The shapes of a drawing in its painting order.
-fn shapes(drawing: &Library) -> Vec<Shape> {
-    let instances = drawing.layers.iter().flat_map(|layer| &layer.instances);
-    let of = |(element, map): (usize, Affine)| {
-        drawing
-            .elements
-            .get(element)
-            .into_iter()
-            .flat_map(move |e| e.shapes.iter().map(move |s| s.moved(map)))
-    };
-    instances.map(|i| (i.element.index(), Affine::new(i.transform))).flat_map(of).collect()
 }
 
 /// The elements of a drawing: those of the library, of as many shapes as possible, then the other shapes one by one.

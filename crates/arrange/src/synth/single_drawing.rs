@@ -11,8 +11,8 @@ pub(super) fn single_drawing<'a>(plan: &'a Plan<'_>) -> Result<&'a Library, &'st
     if !library.is_drawing() || library.is_layered() {
         return Err("for a drawing");
     }
-    if params.varies() || controls.structure.is_some() {
-        return Err("without turned, mirrored or resized elements, and without a guide");
+    if controls.structure.is_some() {
+        return Err("without a guide");
     }
     if controls.context.is_some() && params.tile.any() {
         return Err("without a tile that repeats, beside a drawing that stays");
@@ -41,7 +41,6 @@ mod tests {
         };
         let plain = SynthParams::default;
         assert_eq!(of(plain()), None);
-        assert!(of(SynthParams { mirror: true, ..plain() }).is_some_and(|why| why.contains("mirrored")));
         for edge in [Edge::Keep, Edge::Avoid] {
             assert!(of(SynthParams { edge, ..plain() }).is_some_and(|why| why.contains("edge clip")));
         }

@@ -4,9 +4,8 @@
 //! ranks lie evenly at any number of them ([`even_ranks`]), and stays where the density is above its rank. So rows and
 //! distances remain those of the drawing, up to what is left out.
 
-use super::compose::{Arranged, Placement};
+use super::compose::Arranged;
 use crate::arrange::Plan;
-use std::collections::BTreeMap;
 use vtex_base::error::Result;
 use vtex_base::geometry::Point;
 use vtex_base::geometry::plane::PeriodicPlane;
@@ -39,7 +38,7 @@ pub(super) fn thin(
              are as many as in the drawing; '--method descriptor' places more, without the drawing's order",
         );
     }
-    let number = things(&arranged.placements);
+    let number = arranged.things();
     let count = number.iter().max().map_or(0, |last| last + 1);
     let mut sums = vec![([0.0; 2], 0.0); count];
     for (placement, &thing) in arranged.placements.iter().zip(&number) {
@@ -69,21 +68,6 @@ pub(super) fn shown(
     let periods = [0, 1].map(|k| plane.wraps[k].then_some(plane.size[k]));
     let ranks = even_ranks(places, &ties, periods);
     places.iter().zip(ranks).map(|(at, rank)| density(*at) > rank).collect()
-}
-
-/// The thing of which each placement is all or a part, by its number.
-fn things(placements: &[Placement<'_>]) -> Vec<usize> {
-    let mut of_motif = BTreeMap::new();
-    let mut count = 0;
-    let mut next = || {
-        count += 1;
-        count - 1
-    };
-    let number = |placement: &Placement<'_>| match placement.motif {
-        Some(motif) => *of_motif.entry(motif).or_insert_with(&mut next),
-        None => next(),
-    };
-    placements.iter().map(number).collect()
 }
 
 #[cfg(test)]

@@ -12,59 +12,57 @@ pub fn minus(shift: Shift) -> Shift {
 }
 
 /// Neighbours of a pixel, those at corners last.
-const AROUND: [(i32, i32); 8] = [(1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (-1, 1), (-1, -1), (1, -1)];
+const AROUND: [[i32; 2]; 8] = [[1, 0], [0, 1], [-1, 0], [0, -1], [1, 1], [-1, 1], [-1, -1], [1, -1]];
+/// A pixel of no mask.
+const NONE: u32 = u32::MAX;
+/// A pixel beyond the page.
+const BEYOND: u32 = u32::MAX - 1;
 
-/// The page pixel by pixel: the visible mask at each pixel, and which copy of it.
+/// A page on which masks were painted.
 pub struct ContactPage {
     /// Width and height, in pixels.
-    pub size: [i32; 2],
-    periodic: bool,
-    seen: Vec<Seen>,
+    size: [i32; 2],
+    /// Whether each axis repeats.
+    wraps: [bool; 2],
+    /// The visible copy at each pixel by its number, or [`NONE`], row by row. Around the page lies one pixel that is
+    /// [`BEYOND`].
+    seen: Vec<u32>,
+    copies: Copies,
 }
 
-/// A copy of a mask.
-#[derive(Clone, Copy)]
-struct Seen {
-    mask: u32,
-    shift: [i8; 2],
-    /// Steps from the mask at which it was reached.
-    steps: u16,
+/// Copies of masks, numbered as they come.
+#[derive(Default)]
+struct Copies {
+    /// Mask and shift of each.
+    all: Vec<(u32, Shift)>,
+    numbers: BTreeMap<(u32, Shift), u32>,
 }
 
-impl Seen {
-    /// No mask.
-    const NONE: Self = Self { mask: u32::MAX, shift: [0; 2], steps: 0 };
-
-    /// A mask itself.
-    fn new(mask: u32, shift: Shift) -> Self {
-        Self { mask, shift: shift.map(|v| v.clamp(-100, 100) as i8), steps: 0 }
+impl Copies {
+    /// The number of a copy.
+    fn number(&mut self, copy: (u32, Shift)) -> u32 {
+        *self.numbers.entry(copy).or_insert_with(|| {
+            self.all.push(copy);
+            self.all.len() as u32 - 1
+        })
     }
 
-    fn is_none(self) -> bool {
-        self.mask == Self::NONE.mask
+    /// The number of a copy as it is seen from another copy of the page.
+    fn from(&mut self, number: u32, across: Shift) -> u32 {
+        let (mask, shift) = self.all[number as usize];
+        self.number((mask, [shift[0] - across[0], shift[1] - across[1]]))
     }
 
-    /// Mask and shift.
-    fn copy(self) -> (u32, Shift) {
-        (self.mask, self.shift.map(i32::from))
-    }
-
-    /// The same copy seen from another copy of the page.
-    fn from(self, across: Shift) -> Self {
-        if across == [0; 2] {
-            return self;
-        }
-        let (mask, shift) = self.copy();
-        Self { steps: self.steps, ..Self::new(mask, [shift[0] - across[0], shift[1] - across[1]]) }
-    }
-
-    /// Whether both are the same copy, reached or not.
-    fn is_same(self, other: Self) -> bool {
-        (self.mask, self.shift) == (other.mask, other.shift)
+    /// Two copies as a pair.
+    fn pair(&self, one: u32, other: u32) -> Pair {
+        let [(a, from), (b, to)] = [one, other].map(|number| self.all[number as usize]);
+        let shift = [to[0] - from[0], to[1] - from[1]];
+        let back = minus(shift);
+        if a < b || a == b && shift >= back { (a, b, shift) } else { (b, a, back) }
     }
 }
 
-/// Two adjacent masks: the first, the second, and the shift of the second's copy.
+/// Two adjacent masks, the lower number first, and the shift of the second's copy.
 pub type Pair = (u32, u32, Shift);
 
 /// The distance and overlap of two masks.
@@ -79,9 +77,13 @@ pub struct Contact {
 impl ContactPage {
     /// The page of `size` pixels on which masks are painted in turn. Also returns the contacts in which masks
     /// hide others.
-    pub fn new(size: [i32; 2], periodic: bool, masks: &[Mask]) -> (Self, BTreeMap<Pair, Contact>) {
-        let count = (size[0] * size[1]) as usize;
-        let mut page = Self { size, periodic, seen: vec![Seen::NONE; count] };
+    pub fn new(size: [i32; 2], wraps: [bool; 2], masks: &[Mask]) -> (Self, BTreeMap<Pair, Contact>) {
+        let [width, height] = size.map(|v| v as usize);
+        let mut seen = vec![BEYOND; (width + 2) * (height + 2)];
+        for row in seen.chunks_exact_mut(width + 2).skip(1).take(height) {
+            row[1..=width].fill(NONE);
+        }
+        let mut page = Self { size, wraps, seen, copies: Copies::default() };
         let mut contacts = BTreeMap::new();
         for (k, mask) in masks.iter().enumerate() {
             page.paint(k as u32, mask, &mut contacts);
@@ -105,11 +107,11 @@ impl ContactPage {
     fn paint_run(&mut self, k: u32, at: [i32; 2], length: usize, contacts: &mut BTreeMap<Pair, Contact>) {
         let Some((i, shift)) = self.place(at) else { return };
         // The pixels lie on the copy of the mask that is moved back to the page.
-        let new = Seen::new(k, minus(shift));
-        for run in self.seen[i..][..length].chunk_by_mut(|a, b| a.is_same(*b)) {
+        let new = self.copies.number((k, minus(shift)));
+        for run in self.seen[i..][..length].chunk_by_mut(|a, b| a == b) {
             let old = run[0];
-            if !old.is_none() && !old.is_same(new) {
-                contacts.entry(pair(old.copy(), new.copy())).or_default().hidden += run.len() as u32;
+            if old != NONE && old != new {
+                contacts.entry(self.copies.pair(old, new)).or_default().hidden += run.len() as u32;
             }
             run.fill(new);
         }
@@ -118,49 +120,57 @@ impl ContactPage {
     /// The pixel of the page at a place, and in which copy of the page the place lies.
     fn place(&self, at: [i32; 2]) -> Option<(usize, Shift)> {
         let shift = [0, 1].map(|k| at[k].div_euclid(self.size[k]));
-        if shift != [0; 2] && (!self.periodic || shift.iter().any(|v| v.abs() > 100)) {
+        if (0..2).any(|k| shift[k] != 0 && !(self.wraps[k] && shift[k].abs() <= 100)) {
             return None;
         }
-        let [x, y] = [0, 1].map(|k| at[k].rem_euclid(self.size[k]));
-        Some(((y * self.size[0] + x) as usize, shift))
+        let [x, y] = [0, 1].map(|k| at[k].rem_euclid(self.size[k]) as usize + 1);
+        Some((y * self.stride() + x, shift))
+    }
+
+    /// Pixels from one row to the next.
+    fn stride(&self) -> usize {
+        self.size[0] as usize + 2
     }
 
     /// Number of visible pixels of each mask.
     #[cfg(test)]
     fn areas(&self, count: usize) -> Vec<u32> {
         let mut areas = vec![0; count];
-        self.seen.iter().filter(|p| !p.is_none()).for_each(|p| areas[p.mask as usize] += 1);
+        let seen = self.seen.iter().filter(|copy| **copy < BEYOND);
+        seen.for_each(|copy| areas[self.copies.all[*copy as usize].0 as usize] += 1);
         areas
     }
 
     /// Adds masks that lie at most `reach` pixels apart.
     pub fn near(mut self, reach: u16, contacts: &mut BTreeMap<Pair, Contact>) {
-        let mut front: Vec<usize> = (0..self.seen.len()).filter(|&i| self.is_rim(i)).collect();
-        let mut seen = std::mem::take(&mut self.seen);
+        let sides = AROUND.map(|[x, y]| x as isize + y as isize * self.stride() as isize);
+        let mut front = self.rim(&sides);
+        // Steps from the mask at which each pixel was reached.
+        let mut steps = vec![0u16; self.seen.len()];
         // The last pair and its distance, because the next pair is usually the same.
-        let mut last: Option<(Pair, u16)> = None;
+        let mut last: Option<([u32; 2], u16)> = None;
         for step in 0..=reach / 2 {
             let mut next = Vec::new();
+            // Every second step includes corners, so that the reached area grows as an octagon.
+            let around = &sides[..if step % 2 == 0 { 4 } else { 8 }];
             for &i in &front {
-                // Every second step includes corners, so that the reached area grows as an octagon.
-                let around = if step % 2 == 0 { 4 } else { 8 };
-                let (at, here) = (self.at(i), seen[i]);
-                for side in AROUND.into_iter().take(around) {
-                    let Some((n, across)) = self.beside(at, side) else { continue };
-                    let own = here.from(across);
-                    let there = &mut seen[n];
-                    if there.is_none() {
-                        *there = Seen { steps: step + 1, ..own };
-                        next.push(n);
-                    } else if !there.is_same(own) {
-                        let gap = own.steps + there.steps;
-                        let met = pair(own.copy(), there.copy());
+                let here = self.seen[i as usize];
+                for side in around {
+                    let Some((n, own)) = self.beside(i as usize, *side, here) else { continue };
+                    let there = self.seen[n];
+                    if there == NONE {
+                        (self.seen[n], steps[n]) = (own, step + 1);
+                        next.push(n as u32);
+                    } else if there != own {
+                        let gap = step + steps[n];
+                        let met = [own, there];
                         if last.is_some_and(|(known, least)| known == met && least <= gap) {
                             continue;
                         }
-                        let entry = contacts.entry(met).or_insert(Contact { gap, hidden: 0 });
-                        entry.gap = entry.gap.min(gap);
-                        last = Some((met, entry.gap));
+                        let contact = contacts.entry(self.copies.pair(own, there));
+                        let contact = contact.or_insert(Contact { gap, hidden: 0 });
+                        contact.gap = contact.gap.min(gap);
+                        last = Some((met, contact.gap));
                     }
                 }
             }
@@ -168,36 +178,32 @@ impl ContactPage {
         }
     }
 
-    /// Whether a pixel of a mask has a neighbour that is not of the same copy of the same mask.
-    fn is_rim(&self, i: usize) -> bool {
-        let (at, own) = (self.at(i), self.seen[i]);
-        let is_other =
-            |side| self.beside(at, side).is_some_and(|(n, across)| !self.seen[n].is_same(own.from(across)));
-        !own.is_none() && AROUND.into_iter().any(is_other)
+    /// The pixels of masks with a neighbour that is not of the same copy of the same mask.
+    fn rim(&mut self, sides: &[isize]) -> Vec<u32> {
+        let pixels = 0..self.seen.len() as u32;
+        let mut is_rim = |i: usize| {
+            let own = self.seen[i];
+            let mut is_other =
+                |side: &isize| self.beside(i, *side, own).is_some_and(|(n, own)| self.seen[n] != own);
+            own < BEYOND && sides.iter().any(&mut is_other)
+        };
+        pixels.filter(|i| is_rim(*i as usize)).collect()
     }
 
-    /// Column and row of a pixel.
-    fn at(&self, i: usize) -> [i32; 2] {
-        let [i, w] = [i as u32, self.size[0] as u32];
-        [(i % w) as i32, (i / w) as i32]
+    /// The neighbour of a pixel, and the number that the copy at the pixel has there.
+    #[inline]
+    fn beside(&mut self, i: usize, side: isize, own: u32) -> Option<(usize, u32)> {
+        let n = i.wrapping_add_signed(side);
+        if self.seen[n] == BEYOND { self.across(n, own) } else { Some((n, own)) }
     }
 
-    /// The neighbour of a pixel, and in which copy of the page it lies.
-    fn beside(&self, [x, y]: [i32; 2], (dx, dy): (i32, i32)) -> Option<(usize, Shift)> {
-        let [w, h] = self.size;
-        let [x, y] = [x + dx, y + dy];
-        if (0..w).contains(&x) && (0..h).contains(&y) {
-            return Some(((y * w + x) as usize, [0; 2]));
-        }
-        self.place([x, y])
+    /// The pixel of the page that is continued by one beyond it, and the number that a copy has there.
+    #[cold]
+    fn across(&mut self, beyond: usize, own: u32) -> Option<(usize, u32)> {
+        let [x, y] = [beyond % self.stride(), beyond / self.stride()];
+        let (n, shift) = self.place([x as i32 - 1, y as i32 - 1])?;
+        Some((n, self.copies.from(own, shift)))
     }
-}
-
-/// A pair in canonical order, the lower number first.
-fn pair((a, sa): (u32, Shift), (b, sb): (u32, Shift)) -> Pair {
-    let shift = [sb[0] - sa[0], sb[1] - sa[1]];
-    let back = minus(shift);
-    if a < b || a == b && shift >= back { (a, b, shift) } else { (b, a, back) }
 }
 
 #[cfg(test)]
@@ -212,15 +218,17 @@ mod tests {
     #[test]
     fn gaps_and_borders() {
         let masks = [block(2, 2, 4, 4), block(8, 2, 4, 4), block(18, 2, 4, 4), block(3, 3, 2, 2)];
-        let (page, mut contacts) = ContactPage::new([20, 10], true, &masks);
+        let (page, mut contacts) = ContactPage::new([20, 10], [true; 2], &masks);
         assert_eq!(page.areas(4), [12, 16, 16, 4]);
         page.near(4, &mut contacts);
         assert_eq!(contacts[&(0, 1, [0, 0])].gap, 2);
         // The third wraps to columns 0 and 1 and touches the first.
         assert_eq!(contacts[&(0, 2, [-1, 0])].gap, 0);
         assert_eq!((contacts[&(0, 3, [0, 0])].hidden, contacts[&(0, 3, [0, 0])].gap), (4, 0));
-        let (page, mut contacts) = ContactPage::new([20, 10], false, &masks);
-        page.near(4, &mut contacts);
-        assert!(!contacts.contains_key(&(0, 2, [-1, 0])));
+        for wraps in [[false, false], [false, true], [true, false]] {
+            let (page, mut contacts) = ContactPage::new([20, 10], wraps, &masks);
+            page.near(4, &mut contacts);
+            assert_eq!(contacts.contains_key(&(0, 2, [-1, 0])), wraps[0]);
+        }
     }
 }

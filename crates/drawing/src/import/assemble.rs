@@ -304,7 +304,7 @@ fn drafts(
     };
     let (drawn, masks) = drawn(pieces, origin.name, draw, go_on)?;
     let sides = size.map(|v| v as i32);
-    let (visible, mut contacts) = contact::ContactPage::new(sides, wrap, &masks);
+    let (visible, mut contacts) = contact::ContactPage::new(sides, [wrap; 2], &masks);
     let reach = 2.5 * NEAREST * libm::sqrt(size[0] * size[1]);
     visible.near(libm::ceil(reach).min(400.0) as u16, &mut contacts);
     let properties = PieceProperties {

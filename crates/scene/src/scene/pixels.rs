@@ -1,8 +1,8 @@
 //! Converts outlines to pixels.
 
 use crate::element::Shape;
-use vtex_base::geometry::{Interior, Outline};
-use vtex_base::raster::{Mask, Span};
+use vtex_base::geometry::{Interior, Outline, ring_path};
+use vtex_base::raster::{Mask, Span, holes};
 
 /// The pixels whose middles lie inside an outline.
 pub fn mask(outline: &Outline) -> Mask {
@@ -23,6 +23,17 @@ pub fn mask(outline: &Outline) -> Mask {
 /// The pixels of shapes.
 pub fn of_shapes(shapes: &[Shape]) -> Mask {
     Mask::from_spans(shapes.iter().flat_map(|shape| mask(&shape.outline).spans().to_vec()).collect())
+}
+
+/// The pixels of shapes and of their holes, also of those that several shapes enclose together. `mask` is that of the
+/// shapes.
+pub fn with_holes(shapes: &[Shape], mask: &Mask) -> Mask {
+    let between = holes(mask);
+    let rings = shapes.iter().flat_map(|shape| shape.outline.polygons(0.25));
+    let filled = rings.filter_map(|ring| Outline::new(&ring_path(&ring)));
+    // Rings are polygons, which may lack pixels at the border of a curve.
+    let all = filled.map(|outline| self::mask(&outline)).chain(between).chain([mask.clone()]);
+    Mask::from_spans(all.flat_map(|mask| mask.spans().to_vec()).collect())
 }
 
 #[cfg(test)]

@@ -1,11 +1,10 @@
 //! The element on each pixel of the canvas, and a test of distances.
 
-use super::relations::{ElementRelations, with_holes};
+use super::relations::ElementRelations;
 use super::size_of;
-use super::taken::TakenCells;
 use crate::arrange::motifs::DrawnElement;
+use crate::arrange::taken::TakenPixels;
 use std::collections::BTreeMap;
-use std::ops::Range;
 use std::sync::Arc;
 use vtex_base::error::Result;
 use vtex_base::geometry::{Affine, Point, Rect};
@@ -21,15 +20,11 @@ pub(super) const MOST_PIXELS: u64 = 600_000_000;
 pub(super) struct OccupiedCanvas<'a> {
     pub(super) library: &'a Library,
     pub(super) relations: &'a ElementRelations,
-    /// Canvas and margins: the first pixel, and the size.
-    first: [i32; 2],
-    size: [i32; 2],
     pub(super) canvas: [i32; 2],
-    pub(super) wrap: [bool; 2],
-    /// Number of the placed element on each pixel, from 1.
+    /// Number of the placed element on each pixel of the canvas and its margins, from 1.
     cells: Vec<u32>,
-    /// The cells that hold one.
-    taken: TakenCells,
+    /// The pixels that hold one.
+    pub(super) taken: TakenPixels,
     /// Whether the holes of elements are theirs.
     solid: bool,
     /// Pixels of elements turned about the origin, by element and map. Coefficients are in units of [`STEP`].
@@ -55,8 +50,8 @@ impl<'a> OccupiedCanvas<'a> {
         let size = [0, 1].map(|k| if wrap[k] { canvas[k] } else { canvas[k] + 2 * beyond(k) });
         let pixels = size[0] as u64 * size[1] as u64;
         let cells = vec![0; if pixels <= most { pixels as usize } else { return None }];
-        let (taken, turned) = (TakenCells::none(cells.len()), BTreeMap::new());
-        Some(Self { library, relations, first, size, canvas, wrap, cells, taken, solid: true, turned })
+        let (taken, turned) = (TakenPixels::none(first, size, wrap), BTreeMap::new());
+        Some(Self { library, relations, canvas, cells, taken, solid: true, turned })
     }
 
     /// The pixels of an element in a map, and the whole pixels by which they are moved.
@@ -76,7 +71,7 @@ impl<'a> OccupiedCanvas<'a> {
             let turn = Affine::new([a, b, c, d, 0.0, 0.0]);
             let shapes: Vec<Shape> = own.shapes.iter().map(|s| s.moved(turn)).collect();
             let mask = pixels::of_shapes(&shapes);
-            Arc::new(if is_solid { with_holes(&shapes, &mask) } else { mask })
+            Arc::new(if is_solid { pixels::with_holes(&shapes, &mask) } else { mask })
         });
         (Arc::clone(mask), shift)
     }
@@ -107,9 +102,9 @@ impl<'a> OccupiedCanvas<'a> {
             return;
         }
         let labels = self.library.arrangement.to_labels();
-        let width = self.size[0] as usize;
+        let width = self.taken.size[0] as usize;
         let period = [labels.width, labels.height].map(|size| size as i32);
-        let first = [0, 1].map(|k| self.first[k].rem_euclid(period[k]) as usize);
+        let first = [0, 1].map(|k| self.taken.first[k].rem_euclid(period[k]) as usize);
         let rows = labels.labels.chunks_exact(labels.width as usize).cycle().skip(first[1]);
         for ((cells, row), y) in self.cells.chunks_exact_mut(width).zip(rows).zip(0..) {
             let seen = row.iter().cycle().skip(first[0]);
@@ -122,49 +117,17 @@ impl<'a> OccupiedCanvas<'a> {
         }
     }
 
-    /// The cells of a row from `x0` to `x1`, in two parts where they cross a seam.
-    fn row_cells(&self, x0: i64, x1: i64, y: i64) -> [Range<usize>; 2] {
-        let [width, height] = self.size.map(i64::from);
-        let [x0, x1, y] =
-            [x0 - i64::from(self.first[0]), x1 - i64::from(self.first[0]), y - i64::from(self.first[1])];
-        // Most rows lie within the canvas.
-        if x0 >= 0 && x0 < x1 && x1 <= width && (0..height).contains(&y) {
-            let row = y * width;
-            return [(row + x0) as usize..(row + x1) as usize, 0..0];
-        }
-        let y = if self.wrap[1] { y.rem_euclid(height) } else { y };
-        if !(0..height).contains(&y) {
-            return [0..0, 0..0];
-        }
-        let cells = |low: i64, high: i64| {
-            let [low, high] = [low, high.max(low)].map(|x| (y * width + x.clamp(0, width)) as usize);
-            low..high
-        };
-        if !self.wrap[0] {
-            return [cells(x0, x1), 0..0];
-        }
-        let length = (x1 - x0).min(width);
-        let start = x0.rem_euclid(width);
-        [cells(start, start + length), cells(0, start + length - width)]
-    }
-
     /// Takes or frees the pixels of an element that lies on no other, whatever is written there.
     pub(super) fn set_taken(&mut self, p: &DrawnElement, taken: bool) {
         let (mask, shift) = self.mask(p);
-        let [dx, dy] = shift.map(i64::from);
-        for s in mask.spans() {
-            for part in self.row_cells(i64::from(s.x0) + dx, i64::from(s.x1) + dx, i64::from(s.y) + dy) {
-                self.taken.set(part, taken);
-            }
-        }
+        self.taken.set_mask(&mask, shift, taken);
     }
 
     /// Writes `new` on the pixels of an element that hold `old`, or on all if `old` is 0.
     pub(super) fn write(&mut self, p: &DrawnElement, new: u32, old: u32) {
         let (mask, shift) = self.mask(p);
-        let [dx, dy] = shift.map(i64::from);
         for s in mask.spans() {
-            for part in self.row_cells(i64::from(s.x0) + dx, i64::from(s.x1) + dx, i64::from(s.y) + dy) {
+            for part in self.taken.row(*s, shift, 0) {
                 let cells = &mut self.cells[part.clone()];
                 if old == 0 || cells.iter().all(|cell| *cell == old) {
                     cells.fill(new);
@@ -183,34 +146,13 @@ impl<'a> OccupiedCanvas<'a> {
     /// exemplar.
     pub(super) fn fits(&mut self, p: &DrawnElement, clearance: f64) -> bool {
         let (mask, shift) = self.mask(p);
-        let reach = libm::ceil(clearance * f64::from(self.relations.clearance)) as i32;
-        // The disc is sampled in rows at most as far apart as the shortest side of an element.
-        let step = (0.35 * f64::from(reach)).min(self.relations.shortest_side).max(1.0);
-        let count = libm::ceil(f64::from(reach) / step) as i32;
-        let row = |k: i32| {
-            let part = f64::from(k) / f64::from(count.max(1));
-            let [dy, beside] = [part, libm::sqrt(1.0 - part * part)].map(|v| v * f64::from(reach));
-            (libm::round(dy) as i32, libm::round(beside) as i32)
-        };
-        // The row of the element itself is the most likely to fail, so it is tested first.
-        let rows = std::iter::once(0).chain((1..=count).flat_map(|k| [-k, k])).map(row);
-        let [x, y] = shift.map(i64::from);
-        rows.into_iter().all(|(dy, beside)| {
-            let (dy, beside) = (i64::from(dy), i64::from(beside));
-            mask.spans().iter().all(|s| {
-                let parts = self.row_cells(
-                    i64::from(s.x0) + x - beside,
-                    i64::from(s.x1) + x + beside,
-                    i64::from(s.y) + y + dy,
-                );
-                parts.into_iter().all(|part| !self.taken.any(part))
-            })
-        })
+        let distance = libm::ceil(clearance * f64::from(self.relations.clearance)) as i32;
+        self.taken.is_free(&mask, shift, distance, self.relations.shortest_side)
     }
 
     /// Size of the canvas along the axes that repeat.
     pub(super) fn periods(&self) -> [Option<f64>; 2] {
-        [0, 1].map(|k| self.wrap[k].then_some(f64::from(self.canvas[k])))
+        [0, 1].map(|k| self.taken.wraps[k].then_some(f64::from(self.canvas[k])))
     }
 
     /// 0 for an element on the canvas, 1 for one on its border, 2 for one outside. Elements change places within
@@ -223,7 +165,12 @@ impl<'a> OccupiedCanvas<'a> {
             _ if high <= 0.0 || low >= f64::from(size) => 2,
             _ => 1,
         };
-        axis(self.wrap[0], b.x0, b.x1, self.canvas[0]).max(axis(self.wrap[1], b.y0, b.y1, self.canvas[1]))
+        axis(self.taken.wraps[0], b.x0, b.x1, self.canvas[0]).max(axis(
+            self.taken.wraps[1],
+            b.y0,
+            b.y1,
+            self.canvas[1],
+        ))
     }
 
     /// Centre of an element's bounds.
@@ -250,9 +197,9 @@ impl<'a> OccupiedCanvas<'a> {
         let elements = &self.library.elements;
         let mut counts = vec![0u64; self.library.categories.len()];
         let canvas = Rect::new(0.0, 0.0, f64::from(self.canvas[0]), f64::from(self.canvas[1]));
-        let [left, top] = self.first.map(|v| -v as usize);
+        let [left, top] = self.taken.first.map(|v| -v as usize);
         let [width, height] = self.canvas.map(|v| v as usize);
-        for row in self.cells.chunks_exact(self.size[0] as usize).skip(top).take(height) {
+        for row in self.cells.chunks_exact(self.taken.size[0] as usize).skip(top).take(height) {
             go_on()?;
             for run in row[left..][..width].chunk_by(|a, b| a == b) {
                 let element = match run[0] {

@@ -261,10 +261,10 @@ impl OccupiedCanvas<'_> {
     /// A copy with its centre at a place, which is wrapped along axes that repeat. It keeps its angle: angles are as often
     /// as in the drawing, and those that fit easily are not preferred.
     fn moved_to(&self, p: &DrawnElement, mut place: Point) -> DrawnElement {
-        if self.wrap[0] {
+        if self.taken.wraps[0] {
             place.x -= f64::from(self.canvas[0]) * libm::floor(place.x / f64::from(self.canvas[0]));
         }
-        if self.wrap[1] {
+        if self.taken.wraps[1] {
             place.y -= f64::from(self.canvas[1]) * libm::floor(place.y / f64::from(self.canvas[1]));
         }
         let centre = self.relations.bounds[p.element].center();

@@ -19,7 +19,6 @@ mod order;
 mod parts;
 mod relations;
 mod spread;
-mod taken;
 #[cfg(test)]
 mod tests;
 

@@ -2,12 +2,13 @@
 
 use super::order;
 use crate::arrange::motifs::MotifUnits;
+use crate::arrange::taken::usual_clearance;
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use vtex_base::geometry::{Outline, Point, Rect, ring_path};
+use vtex_base::geometry::{Point, Rect};
+use vtex_base::raster::Mask;
 use vtex_base::raster::contact::ContactPage;
-use vtex_base::raster::{Mask, holes};
-use vtex_scene::element::{Shape, SimilarTo, bounds};
+use vtex_scene::element::{SimilarTo, bounds};
 use vtex_scene::library::{ExemplarElement, Library};
 use vtex_scene::reconstruct::equal;
 use vtex_scene::scene::pixels;
@@ -56,7 +57,7 @@ impl ElementRelations {
         // The margin is at most one page width on each side.
         let [w, h] = size;
         let on_page: Vec<Mask> = masks.iter().map(|m| m.within([-w, -h], [2 * w, 2 * h])).collect();
-        let (page, mut contacts) = ContactPage::new(size, true, &on_page);
+        let (page, mut contacts) = ContactPage::new(size, [true; 2], &on_page);
         page.near(REACH, &mut contacts);
         let mut free: Vec<bool> = elements.iter().map(|e| !e.clipped).collect();
         let mut gaps = vec![u16::MAX; elements.len()];
@@ -90,7 +91,7 @@ impl ElementRelations {
             equal,
             bounds,
             masks: masks.into_iter().map(Arc::new).collect(),
-            clearance: clearance(&free, &gaps),
+            clearance: usual_clearance((0..free.len()).filter(|&k| free[k]).map(|k| gaps[k].min(REACH))),
             free,
             spacing,
             shortest_side,
@@ -111,16 +112,6 @@ fn mask_of(element: &ExemplarElement) -> Mask {
     if element.clipped { Mask::default() } else { pixels::of_shapes(&element.shapes) }
 }
 
-/// The pixels of shapes and of their holes, also of those that several shapes enclose together. `mask` is that of the
-/// shapes.
-pub(super) fn with_holes(shapes: &[Shape], mask: &Mask) -> Mask {
-    let between = holes(mask);
-    let rings = shapes.iter().flat_map(|shape| shape.outline.polygons(0.25));
-    let filled = rings.filter_map(|ring| Outline::new(&ring_path(&ring)));
-    let all = filled.map(|outline| pixels::mask(&outline)).chain(between);
-    Mask::from_spans(all.flat_map(|mask| mask.spans().to_vec()).collect())
-}
-
 /// The pixels of each element with holes in which no other lies, and of these. The page repeats; `on_page` has what of
 /// each mask is on it or on those around.
 fn solid(
@@ -134,20 +125,15 @@ fn solid(
     on_page.iter().flat_map(Mask::pixels).for_each(|pixel| taken[place(pixel)] = true);
     let numbered: Vec<usize> = (0..masks.len()).collect();
     vtex_base::parallel::map(&numbered, |&k| {
-        let filled =
-            if elements[k].clipped { Mask::default() } else { with_holes(&elements[k].shapes, &masks[k]) };
+        let filled = if elements[k].clipped {
+            Mask::default()
+        } else {
+            pixels::with_holes(&elements[k].shapes, &masks[k])
+        };
         let holes = filled.without(&masks[k]);
         let is_solid = !holes.is_empty() && !holes.pixels().any(|pixel| taken[place(pixel)]);
         is_solid.then(|| Arc::new(filled))
     })
-}
-
-/// Three quarters of the lower fifth percentile of the gaps around free elements, in pixels.
-fn clearance(free: &[bool], gaps: &[u16]) -> i32 {
-    let mut gaps: Vec<u16> = (0..free.len()).filter(|&k| free[k]).map(|k| gaps[k].min(REACH)).collect();
-    gaps.sort_unstable();
-    let usual = gaps.get(gaps.len() / 5).copied().unwrap_or(1);
-    i32::from(usual.max(2)) * 3 / 4
 }
 
 /// Largest difference between the logarithms of the areas of like elements.
