@@ -18,6 +18,7 @@ const COMPACTNESS: f64 = 0.13;
 const MOST_LABELS: usize = 512;
 
 /// An element as grouping sees it. Lengths are pixels.
+#[derive(Clone)]
 pub(super) struct MotifElement {
     pub(super) centre: Point,
     /// Direction of the longer axis, in radians modulo π; `None` for an element about as wide as long.

@@ -4,7 +4,8 @@
 //! others is larger than those within it. Sets that are copies of each other up to rotation and reflection
 //! are one kind; what recurs needs to stand out less than what occurs once ([`kinds`]). Copies that other
 //! elements come too near to are then found by the relative places of their parts ([`matching`]). The
-//! author's small groups that recur come first. Each element is a part of one motif or of none.
+//! author's small groups that recur come first. Then the same is done with the motifs: sets of them that stand out become
+//! one motif ([`nested`]). Each element is a part of one motif or of none.
 //!
 //! Works badly for motifs that are no further from each other than their parts, and for parts of very
 //! different looks that occur once.
@@ -14,6 +15,7 @@ mod gaps;
 mod kinds;
 mod layout;
 mod matching;
+mod nested;
 #[cfg(test)]
 mod swatches;
 #[cfg(test)]
@@ -68,33 +70,56 @@ pub(super) fn motifs(
     let largest = source.size.map(|side| LARGEST * side);
     let mut elements = features(source.elements, source.layers, source.is_endless, largest);
     go_on()?;
-    let free = elements.iter().filter(|e| e.is_free).count();
-    let spacing = libm::sqrt(source.size[0] * source.size[1] / free.max(1) as f64);
-    let plane = MotifPlane { periods: source.wrap.then_some(source.size), largest, reach: REACH * spacing };
+    // Gaps are looked at up to the mean distance between elements.
+    let plane = |elements: &[MotifElement]| {
+        let free = elements.iter().filter(|e| e.is_free).count();
+        let reach = REACH * libm::sqrt(source.size[0] * source.size[1] / free.max(1) as f64);
+        MotifPlane { periods: source.wrap.then_some(source.size), largest, reach }
+    };
+    let of_page = plane(&elements);
     let mut found: Vec<MotifLayout> = Vec::new();
     if how == MotifGrouping::Auto {
-        found = author_groups(source, &elements, plane);
+        found = author_groups(source, &elements, of_page);
         for part in found.iter().flat_map(|layout| &layout.parts) {
             elements[part.element].is_free = false;
         }
     }
-    let gaps = gaps::gaps(&elements, plane.periods, plane.reach, go_on)?;
-    let nodes = tree::tree(&elements, &gaps, plane);
     let contact_only = how == MotifGrouping::Contact;
-    let chosen = choose(&nodes, &elements, plane, FINEST * spacing, contact_only, go_on)?;
-    found.extend(chosen.motifs.iter().map(|(_, layout)| layout.clone()));
+    found.extend(grouped(&elements, of_page, contact_only, go_on)?);
+    let of_units = |units: &[MotifElement]| grouped(units, plane(units), false, go_on);
+    while !contact_only && let Some(joined) = nested::joined(&found, &elements, of_page, of_units)? {
+        found = joined;
+    }
+    numbered(found, go_on)
+}
+
+/// The sets of elements that stand out, and further copies of those that recur.
+///
+/// # Errors
+/// Those of `go_on`.
+fn grouped(
+    elements: &[MotifElement],
+    plane: MotifPlane,
+    contact_only: bool,
+    go_on: &dyn Fn() -> Result<()>,
+) -> Result<Vec<MotifLayout>> {
+    let gaps = gaps::gaps(elements, plane.periods, plane.reach, go_on)?;
+    let nodes = tree::tree(elements, &gaps, plane);
+    let finest = FINEST / REACH * plane.reach;
+    let chosen = choose(&nodes, elements, plane, finest, contact_only, go_on)?;
+    let mut found: Vec<MotifLayout> = chosen.motifs.iter().map(|(_, layout)| layout.clone()).collect();
     if !contact_only {
         let mut counts = vec![0; chosen.kinds.len()];
         chosen.motifs.iter().for_each(|(kind, _)| counts[*kind] += 1);
         let mut is_taken: Vec<bool> = elements.iter().map(|e| !e.is_free).collect();
-        for part in chosen.motifs.iter().flat_map(|(_, layout)| &layout.parts) {
+        for part in found.iter().flat_map(|layout| &layout.parts) {
             is_taken[part.element] = true;
         }
         let further =
-            matching::further_copies(&chosen.kinds, &counts, &elements, plane, &mut is_taken, go_on)?;
+            matching::further_copies(&chosen.kinds, &counts, elements, plane, &mut is_taken, go_on)?;
         found.extend(further.into_iter().map(|(_, layout)| layout));
     }
-    numbered(found, go_on)
+    Ok(found)
 }
 
 /// The author's groups that are motifs: of few elements, small, and several of the same composition.
