@@ -6,6 +6,7 @@
 use super::line_drawing::is_line;
 use super::page_raster::PageRaster;
 use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
 use vtex_base::disjoint_sets::DisjointSets;
 use vtex_base::error::Result;
 use vtex_base::geometry::plane::PeriodicPlane;
@@ -97,8 +98,6 @@ impl CellDrawing {
 /// What is on top in the parts of a page.
 struct CellMap {
     raster: PageRaster,
-    /// The part that each cell of the grid belongs to.
-    part: Vec<u32>,
     parts: Vec<PagePart>,
 }
 
@@ -123,6 +122,69 @@ enum PartKind {
     Detail,
 }
 
+/// The rows of a grid in runs of cells with the same on top.
+struct Runs {
+    /// The cells of each.
+    runs: Vec<Range<usize>>,
+    /// Connected runs with the same on top.
+    sets: DisjointSets,
+    /// Adjacent runs with different things on top.
+    unlike: Vec<[usize; 2]>,
+    /// Whether each cell has a neighbour with something else on top.
+    is_border: Vec<bool>,
+}
+
+impl Runs {
+    fn new(top: &[u32], raster: &PageRaster) -> Self {
+        let [width, height] = raster.size;
+        let wraps = raster.page().wraps;
+        let mut runs: Vec<Range<usize>> = Vec::new();
+        let mut rows = vec![0];
+        for row in 0..height {
+            let mut start = row * width;
+            for run in top[start..][..width].chunk_by(|a, b| a == b) {
+                runs.push(start..start + run.len());
+                start += run.len();
+            }
+            rows.push(runs.len());
+        }
+        let (mut sets, mut unlike) = (DisjointSets::new(runs.len()), Vec::new());
+        let mut is_border = vec![false; top.len()];
+        // Two runs, and the cells of each that have neighbours in the other.
+        let mut meet = |[a, b]: [usize; 2], cells: [Range<usize>; 2]| {
+            if top[runs[a].start] == top[runs[b].start] {
+                sets.join(a, b);
+            } else {
+                unlike.push([a, b]);
+                cells.into_iter().for_each(|cells| is_border[cells].fill(true));
+            }
+        };
+        for row in 0..height {
+            let own = rows[row]..rows[row + 1];
+            let pairs = (own.start..own.end - 1).map(|k| [k, k + 1]);
+            for [a, b] in pairs.chain(wraps[0].then_some([own.end - 1, own.start])) {
+                let (end, start) = (runs[a].end, runs[b].start);
+                meet([a, b], [end - 1..end, start..start + 1]);
+            }
+            let below = if row + 1 < height { row + 1 } else { 0 };
+            if below == 0 && !wraps[1] {
+                continue;
+            }
+            let (mut a, mut b) = (rows[row], rows[below]);
+            while a < rows[row + 1] && b < rows[below + 1] {
+                let [one, other] = [(a, row), (b, below)].map(|(k, row)| {
+                    let first = row * width;
+                    [runs[k].start - first, runs[k].end - first]
+                });
+                let [low, high] = [one[0].max(other[0]), one[1].min(other[1])];
+                meet([a, b], [row, below].map(|row| row * width + low..row * width + high));
+                (a, b) = (a + usize::from(one[1] == high), b + usize::from(other[1] == high));
+            }
+        }
+        Self { runs, sets, unlike, is_border }
+    }
+}
+
 impl CellMap {
     fn new(raster: PageRaster, shapes: &[DrawnShape], go_on: &dyn Fn() -> Result<()>) -> Result<Self> {
         const GROUND: u32 = 0;
@@ -134,58 +196,46 @@ impl CellMap {
             let label = if shape.is_line { LINE } else { k as u32 + 2 };
             raster.each(&shape.outline, |cell| top[cell] = label);
         }
-        let mut sets = DisjointSets::new(top.len());
-        let mut is_border = vec![false; top.len()];
-        for cell in 0..top.len() {
-            for next in raster.next(cell).into_iter().flatten() {
-                if top[next] == top[cell] {
-                    sets.join(cell, next);
-                } else {
-                    (is_border[cell], is_border[next]) = (true, true);
-                }
-            }
-        }
+        let Runs { runs, mut sets, unlike, is_border } = Runs::new(&top, &raster);
         go_on()?;
         let far = squared_distance(width, height, |cell| is_border[cell]);
-        let mut number: Vec<u32> = vec![u32::MAX; top.len()];
-        let mut part = Vec::with_capacity(top.len());
+        let mut number: Vec<u32> = vec![u32::MAX; runs.len()];
         let mut parts: Vec<PagePart> = Vec::new();
-        for cell in 0..top.len() {
-            let root = sets.root(cell);
+        let mut part_of = |k: usize| {
+            let (run, root) = (&runs[k], sets.root(k));
             if number[root] == u32::MAX {
                 number[root] = parts.len() as u32;
-                let kind = match top[cell] {
+                let kind = match top[run.start] {
                     GROUND => PartKind::Ground,
                     LINE => PartKind::Line,
                     k => PartKind::Cell(k - 2),
                 };
-                parts.push(PagePart { kind, area: 0, reach: 0.0, at: cell });
+                parts.push(PagePart { kind, area: 0, reach: 0.0, at: run.start });
             }
             let own = &mut parts[number[root] as usize];
-            own.area += 1;
-            let reach = libm::sqrt(f64::from(far[cell])) + 0.5;
-            if reach > own.reach && reach.is_finite() {
-                (own.reach, own.at) = (reach, cell);
+            own.area += run.len();
+            for cell in run.clone() {
+                let reach = libm::sqrt(f64::from(far[cell])) + 0.5;
+                if reach > own.reach && reach.is_finite() {
+                    (own.reach, own.at) = (reach, cell);
+                }
             }
-            part.push(number[root]);
+            number[root]
+        };
+        let part: Vec<u32> = (0..runs.len()).map(&mut part_of).collect();
+        let mut beside: BTreeMap<u32, BTreeSet<u32>> = BTreeMap::new();
+        for [a, b] in unlike.into_iter().map(|pair| pair.map(|run| part[run])) {
+            beside.entry(a).or_default().insert(b);
+            beside.entry(b).or_default().insert(a);
         }
-        let mut made = Self { raster, part, parts };
-        made.tell_details();
+        let mut made = Self { raster, parts };
+        made.tell_details(&beside);
         Ok(made)
     }
 
-    /// Shapes that lie within one cell, or are much narrower than most, are no cells.
-    fn tell_details(&mut self) {
-        let mut beside: BTreeMap<u32, BTreeSet<u32>> = BTreeMap::new();
-        for cell in 0..self.part.len() {
-            for next in self.raster.next(cell).into_iter().flatten() {
-                let [a, b] = [self.part[cell], self.part[next]];
-                if a != b {
-                    beside.entry(a).or_default().insert(b);
-                    beside.entry(b).or_default().insert(a);
-                }
-            }
-        }
+    /// Shapes that lie within one cell, or are much narrower than most, are no cells. `beside` has the neighbours of each
+    /// part.
+    fn tell_details(&mut self, beside: &BTreeMap<u32, BTreeSet<u32>>) {
         let middle = self.middle_reach();
         let is_cell = |p: u32| matches!(self.parts[p as usize].kind, PartKind::Cell(_));
         let is_within =
@@ -223,7 +273,7 @@ impl CellMap {
             kind => kind != PartKind::Line,
         };
         let fits = self.cells().count() >= LEAST
-            && covered as f64 >= COVERED * self.part.len() as f64
+            && covered as f64 >= COVERED * self.raster.size.map(|v| v as f64).iter().product::<f64>()
             && self.parts.iter().all(is_thin);
         fits.then_some(middle)
     }

@@ -26,6 +26,8 @@ const CLEARANCES: [f64; 3] = [1.0, 0.6, 0.3];
 const TRIES: usize = 10;
 /// Largest distance between elements that is distinguished, in pixels.
 const REACH: u16 = 40;
+/// Things drawn at a time.
+const AT_ONCE: usize = 512;
 /// Largest canvas on which elements are changed, in pixels.
 const MOST_PIXELS: u64 = 100_000_000;
 
@@ -64,8 +66,7 @@ pub(super) fn vary_in_place(
         return Ok(());
     }
     let numbers = arranged.things();
-    let (mut things, mut taken) = things(arranged, &numbers, plan);
-    go_on()?;
+    let (mut things, mut taken) = things(arranged, &numbers, plan, &go_on)?;
     if !things.iter().any(|thing| thing.is_free) {
         progress.warn_of_placing(
             "no element is turned, mirrored or resized: each touches others or runs on from copy to copy",
@@ -137,7 +138,15 @@ impl Thing {
 }
 
 /// The things on the canvas of each number, and the pixels that they and a drawing that stays take.
-fn things(arranged: &Arranged<'_>, numbers: &[usize], plan: &Plan<'_>) -> (Vec<Thing>, TakenPixels) {
+///
+/// # Errors
+/// Those of `go_on`.
+fn things(
+    arranged: &Arranged<'_>,
+    numbers: &[usize],
+    plan: &Plan<'_>,
+    go_on: &dyn Fn() -> Result<()>,
+) -> Result<(Vec<Thing>, TakenPixels)> {
     let library = &plan.libraries[0];
     let count = numbers.iter().max().map_or(0, |last| last + 1);
     let mut shapes = vec![Vec::new(); count];
@@ -156,16 +165,19 @@ fn things(arranged: &Arranged<'_>, numbers: &[usize], plan: &Plan<'_>) -> (Vec<T
         let (area, (sum, areas)) = (f64::from(element.area.max(1)), &mut sums[number]);
         (*sum, *areas) = (*sum + area * (map * Point::new(x, y)).to_vec2(), *areas + area);
     }
-    let mut masks: Vec<Mask> = parallel::map(&shapes, |shapes| pixels::of_shapes(shapes));
-    masks.extend(
-        plan.controls.context.iter().flat_map(DrawnContext::shapes).map(|shape| pixels::of_shapes(&[shape])),
-    );
+    let mut masks: Vec<Mask> = Vec::with_capacity(count);
+    for shapes in shapes.chunks(AT_ONCE) {
+        go_on()?;
+        masks.extend(parallel::map(shapes, |shapes| pixels::of_shapes(shapes)));
+    }
+    let standing = plan.controls.context.iter().flat_map(DrawnContext::shapes);
+    masks.extend(standing.map(|shape| pixels::of_shapes(&[shape])));
     let size = [plan.params.width, plan.params.height].map(|v| v as i32);
     let wraps = [plan.params.tile.x, plan.params.tile.y];
     let mut taken = TakenPixels::none([0; 2], size, wraps);
     masks.iter().for_each(|mask| taken.set_mask(mask, [0; 2], true));
     let (page, mut contacts) = ContactPage::new(size, wraps, &masks);
-    page.near(REACH, &mut contacts);
+    page.near(REACH, &mut contacts, go_on)?;
     let mut gaps = vec![REACH; masks.len()];
     for (&(a, b, _), contact) in &contacts {
         let gap = if contact.hidden > 0 { 0 } else { contact.gap };
@@ -173,20 +185,22 @@ fn things(arranged: &Arranged<'_>, numbers: &[usize], plan: &Plan<'_>) -> (Vec<T
             gaps[k as usize] = gaps[k as usize].min(gap);
         }
     }
-    let made = (0..count).zip(shapes).zip(masks).map(|((k, shapes), mask)| {
+    let mut things: Vec<Thing> = Vec::with_capacity(count);
+    for (k, (shapes, mask)) in shapes.into_iter().zip(masks).enumerate() {
+        go_on()?;
         let (middle, gap) = ((sums[k].0 / sums[k].1).to_point(), gaps[k]);
-        if !ends[k] || gap == 0 {
-            return Thing { shapes, middle, mask, is_free: false, gap };
+        let mut thing = Thing { shapes, middle, mask, is_free: ends[k] && gap > 0, gap };
+        if thing.is_free {
+            let filled = pixels::with_holes(&thing.shapes, &thing.mask);
+            let holes = filled.without(&thing.mask);
+            let mut rows = holes.spans().iter().flat_map(|span| taken.row(*span, [0; 2], 0));
+            thing.is_free = !rows.any(|row| taken.any(row));
+            thing.mask = if thing.is_free { filled } else { thing.mask };
         }
-        let filled = pixels::with_holes(&shapes, &mask);
-        let mut holes =
-            filled.without(&mask).spans().to_vec().into_iter().flat_map(|span| taken.row(span, [0; 2], 0));
-        let is_free = !holes.any(|row| taken.any(row));
-        Thing { shapes, middle, mask: if is_free { filled } else { mask }, is_free, gap }
-    });
-    let things: Vec<Thing> = made.collect();
+        things.push(thing);
+    }
     things.iter().for_each(|thing| taken.set_mask(&thing.mask, [0; 2], true));
-    (things, taken)
+    Ok((things, taken))
 }
 
 #[cfg(test)]

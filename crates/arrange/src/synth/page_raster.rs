@@ -36,17 +36,6 @@ impl PageRaster {
         }
     }
 
-    /// The cells to the right of a cell and below it.
-    pub(super) fn next(&self, cell: usize) -> [Option<usize>; 2] {
-        let width = self.size[0];
-        let [x, y] = [cell % width, cell / width];
-        let beside = |v: usize, k: usize| match v + 1 < self.size[k] {
-            true => Some(v + 1),
-            false => self.page.wraps[k].then_some(0),
-        };
-        [beside(x, 0).map(|x| y * width + x), beside(y, 1).map(|y| y * width + x)]
-    }
-
     /// The page.
     pub(super) fn page(&self) -> PeriodicPlane {
         self.page

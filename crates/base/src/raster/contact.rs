@@ -1,6 +1,7 @@
 //! Contacts of masks on a page, and distances of near ones.
 
 use super::Mask;
+use crate::error::Result;
 use std::collections::BTreeMap;
 
 /// Shift in whole pages along x and y.
@@ -141,8 +142,16 @@ impl ContactPage {
         areas
     }
 
-    /// Adds masks that lie at most `reach` pixels apart.
-    pub fn near(mut self, reach: u16, contacts: &mut BTreeMap<Pair, Contact>) {
+    /// Adds masks that lie at most `reach` pixels apart. `go_on` is asked before each step from them.
+    ///
+    /// # Errors
+    /// Those of `go_on`.
+    pub fn near(
+        mut self,
+        reach: u16,
+        contacts: &mut BTreeMap<Pair, Contact>,
+        go_on: &dyn Fn() -> Result<()>,
+    ) -> Result<()> {
         let sides = AROUND.map(|[x, y]| x as isize + y as isize * self.stride() as isize);
         let mut front = self.rim(&sides);
         // Steps from the mask at which each pixel was reached.
@@ -150,6 +159,7 @@ impl ContactPage {
         // The last pair and its distance, because the next pair is usually the same.
         let mut last: Option<([u32; 2], u16)> = None;
         for step in 0..=reach / 2 {
+            go_on()?;
             let mut next = Vec::new();
             // Every second step includes corners, so that the reached area grows as an octagon.
             let around = &sides[..if step % 2 == 0 { 4 } else { 8 }];
@@ -176,6 +186,7 @@ impl ContactPage {
             }
             front = next;
         }
+        Ok(())
     }
 
     /// The pixels of masks with a neighbour that is not of the same copy of the same mask.
@@ -220,14 +231,14 @@ mod tests {
         let masks = [block(2, 2, 4, 4), block(8, 2, 4, 4), block(18, 2, 4, 4), block(3, 3, 2, 2)];
         let (page, mut contacts) = ContactPage::new([20, 10], [true; 2], &masks);
         assert_eq!(page.areas(4), [12, 16, 16, 4]);
-        page.near(4, &mut contacts);
+        page.near(4, &mut contacts, &|| Ok(())).unwrap();
         assert_eq!(contacts[&(0, 1, [0, 0])].gap, 2);
         // The third wraps to columns 0 and 1 and touches the first.
         assert_eq!(contacts[&(0, 2, [-1, 0])].gap, 0);
         assert_eq!((contacts[&(0, 3, [0, 0])].hidden, contacts[&(0, 3, [0, 0])].gap), (4, 0));
         for wraps in [[false, false], [false, true], [true, false]] {
             let (page, mut contacts) = ContactPage::new([20, 10], wraps, &masks);
-            page.near(4, &mut contacts);
+            page.near(4, &mut contacts, &|| Ok(())).unwrap();
             assert_eq!(contacts.contains_key(&(0, 2, [-1, 0])), wraps[0]);
         }
     }

@@ -306,7 +306,7 @@ fn drafts(
     let sides = size.map(|v| v as i32);
     let (visible, mut contacts) = contact::ContactPage::new(sides, [wrap; 2], &masks);
     let reach = 2.5 * NEAREST * libm::sqrt(size[0] * size[1]);
-    visible.near(libm::ceil(reach).min(400.0) as u16, &mut contacts);
+    visible.near(libm::ceil(reach).min(400.0) as u16, &mut contacts, go_on)?;
     let properties = PieceProperties {
         page,
         pieces,

@@ -226,7 +226,7 @@ mod tests {
     }
 
     fn alike(library: &Library) -> AlikeShapes {
-        AlikeShapes::new(library, &ElementRelations::new(library))
+        AlikeShapes::new(library, &ElementRelations::new(library, &|| Ok(())).unwrap())
     }
 
     #[test]
@@ -244,7 +244,7 @@ mod tests {
     #[test]
     fn tiles_that_change_places_lie_where_tiles_lay() {
         let library = tiles(|x, y| (x * x + 3 * y * y + x * y) % 7 % 3);
-        let relations = ElementRelations::new(&library);
+        let relations = ElementRelations::new(&library, &|| Ok(())).unwrap();
         let order = |k: usize| PaintingOrder { instance: k, ..PaintingOrder::default() };
         let copy =
             |k: usize| DrawnElement { element: k, map: Affine::IDENTITY, order: order(k), motif: None };

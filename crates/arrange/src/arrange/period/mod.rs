@@ -71,11 +71,12 @@ fn place_within(
     progress: &dyn Progress,
 ) -> Result<Repeated> {
     check_copies(library, params)?;
-    advance(progress, "primaries", 0, 2)?;
+    let begin = || advance(progress, "primaries", 0, 2);
+    begin()?;
     // Motifs are placed as wholes and then taken apart.
     let units = MotifUnits::new(library);
     let drawing = units.as_ref().map_or(library, |u| &u.library);
-    let mut relations = ElementRelations::new(drawing);
+    let mut relations = ElementRelations::new(drawing, &begin)?;
     if let Some(units) = &units {
         relations.follow(units);
     }
@@ -93,7 +94,7 @@ fn place_within(
     if let Some(mut canvas) = OccupiedCanvas::new(drawing, params, &relations, most) {
         if variation > 0.0 {
             alike.exchange(&mut placed, |p| canvas.zone(p), (variation, params.seed));
-            canvas.write_all(&placed, || advance(progress, "primaries", 0, 2))?;
+            canvas.write_all(&placed, begin)?;
             go_on()?;
             canvas.vary(&mut placed, variation, params.seed, go_on)?;
         }
@@ -106,7 +107,7 @@ fn place_within(
             .warn("the texture is too large for elements to change places: the drawing is repeated as it is");
     }
     if let Some(units) = &units {
-        relations = ElementRelations::new(library);
+        relations = ElementRelations::new(library, &go_on)?;
         let mut apart = TakenApart::new(units, &placed);
         if let Some(mut canvas) = OccupiedCanvas::new(library, params, &relations, most) {
             if variation > 0.0 {

@@ -5,6 +5,7 @@ use crate::arrange::motifs::MotifUnits;
 use crate::arrange::taken::usual_clearance;
 use std::collections::BTreeMap;
 use std::sync::Arc;
+use vtex_base::error::Result;
 use vtex_base::geometry::{Point, Rect};
 use vtex_base::raster::Mask;
 use vtex_base::raster::contact::ContactPage;
@@ -49,7 +50,11 @@ pub(super) struct ElementRelations {
 }
 
 impl ElementRelations {
-    pub(super) fn new(library: &Library) -> Self {
+    /// The relations of a drawing. `go_on` is asked in between.
+    ///
+    /// # Errors
+    /// Those of `go_on`.
+    pub(super) fn new(library: &Library, go_on: &dyn Fn() -> Result<()>) -> Result<Self> {
         let elements = library.primaries();
         let size = [library.source.width as i32, library.source.height as i32];
         let bounds: Vec<Rect> = elements.iter().map(|e| bounds(&e.shapes)).collect();
@@ -58,7 +63,7 @@ impl ElementRelations {
         let [w, h] = size;
         let on_page: Vec<Mask> = masks.iter().map(|m| m.within([-w, -h], [2 * w, 2 * h])).collect();
         let (page, mut contacts) = ContactPage::new(size, [true; 2], &on_page);
-        page.near(REACH, &mut contacts);
+        page.near(REACH, &mut contacts, go_on)?;
         let mut free: Vec<bool> = elements.iter().map(|e| !e.clipped).collect();
         let mut gaps = vec![u16::MAX; elements.len()];
         for (&(a, b, _), contact) in &contacts {
@@ -83,7 +88,7 @@ impl ElementRelations {
                 line.into_iter().for_each(|k| free[k] = false);
             }
         }
-        Self {
+        Ok(Self {
             moves_along: order::is_even(elements, &centres, size),
             solid: solid(elements, &masks, &on_page, size),
             first_like: first_like(elements, &equal),
@@ -97,7 +102,7 @@ impl ElementRelations {
             shortest_side,
             margin: largest.min(0.5 * spacing) + spacing,
             regular,
-        }
+        })
     }
 
     /// Takes the copies of a motif for equal, although these may differ a little.

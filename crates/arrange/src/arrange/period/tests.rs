@@ -41,7 +41,7 @@ fn nothing_changes_places_on_a_canvas_beyond_the_limit_and_that_is_said() {
 fn pixels_of_elements_follow_all_of_a_map() {
     let library = drawing();
     let params = SynthParams { width: 320, height: 320, ..SynthParams::default() };
-    let relations = ElementRelations::new(&library);
+    let relations = ElementRelations::new(&library, &|| Ok(())).unwrap();
     let area = |map: Affine| {
         let mut canvas = OccupiedCanvas::new(&library, &params, &relations, MOST_PIXELS).unwrap();
         let p = DrawnElement { element: 0, map, order: PaintingOrder::default(), motif: None };
@@ -59,7 +59,7 @@ fn pixels_of_elements_follow_all_of_a_map() {
 fn changing_places_stops_wherever_it_is_asked_to() {
     let library = drawing();
     let params = SynthParams { width: 320, height: 320, variation: Some(1.0), ..SynthParams::default() };
-    let free = ElementRelations::new(&library).free.iter().filter(|f| **f).count();
+    let free = ElementRelations::new(&library, &|| Ok(())).unwrap().free.iter().filter(|f| **f).count();
     // Each element walks six times, moves apart at least once, and is exchanged.
     vtex_testing::StopAfter::check(4 * free, |progress| place(&library, &params, progress));
 }
