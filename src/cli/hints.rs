@@ -38,8 +38,7 @@ pub(crate) fn of_no_elements(libraries: &[Library], asked: &SynthParams) -> Opti
     } else if asked.method != Method::Auto {
         "leave out --method, so that vtex chooses one that fits"
     } else {
-        "leave out --rotate, --mirror, --scale-jitter, --density and --weights: with one of them a drawing is not \
-         repeated as it is"
+        "leave out --density and --weights: with one of them a drawing is not repeated as it is"
     })
 }
 

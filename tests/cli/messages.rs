@@ -516,7 +516,7 @@ fn a_texture_without_elements_is_warned_of() {
     // Without --method, nobody is told to leave it out.
     let run =
         folder.run("synth line.lib.json --density photo.png --size 200 --seed 1 -o thin.svg").succeeds();
-    assert!(run.stderr.contains("hint: leave out --rotate, --mirror"), "{}", run.stderr);
+    assert!(run.stderr.contains("hint: leave out --density and --weights"), "{}", run.stderr);
     folder.write("none.masks.png", encode(&GrayImage::new(96, 80).into(), ImageFormat::Png));
     let run = folder.run("texture photo.png --masks none.masks.png --size 60 --seed 1 -o a.svg").succeeds();
     assert!(run.stderr.contains("no primary element was found"), "{}", run.stderr);

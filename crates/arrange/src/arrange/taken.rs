@@ -3,11 +3,14 @@
 use std::ops::Range;
 use vtex_base::raster::{Mask, Span};
 
+/// Largest gap between elements that is distinguished, in pixels.
+pub(crate) const REACH: u16 = 40;
+
 const BITS: usize = u64::BITS as usize;
 
 /// The pixels of a canvas and its margins, each free or taken.
 pub(crate) struct TakenPixels {
-    /// The first pixel, and the size.
+    /// The first pixel of canvas and margins, and their size, in pixels.
     pub(crate) first: [i32; 2],
     pub(crate) size: [i32; 2],
     /// Whether each axis repeats.
@@ -81,8 +84,8 @@ impl TakenPixels {
         words(pixels).any(|(word, bits)| self.bits[word] & bits != 0)
     }
 
-    /// Whether all pixels within a distance of a mask that is moved are free. The disc is looked at in rows at most `step`
-    /// pixels apart, if that is less than a third of the distance.
+    /// Whether all pixels within a distance of a mask that is moved are free. The disc is looked at in rows that are at
+    /// most `step` and 0.35 of the distance apart, but at least a pixel.
     pub(crate) fn is_free(&self, mask: &Mask, by: [i32; 2], distance: i32, step: f64) -> bool {
         let reach = f64::from(distance);
         let step = (0.35 * reach).min(step).max(1.0);

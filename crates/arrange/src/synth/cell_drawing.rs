@@ -201,7 +201,7 @@ impl CellMap {
         let far = squared_distance(width, height, |cell| is_border[cell]);
         let mut number: Vec<u32> = vec![u32::MAX; runs.len()];
         let mut parts: Vec<PagePart> = Vec::new();
-        let mut part_of = |k: usize| {
+        let part_of = |k: usize| {
             let (run, root) = (&runs[k], sets.root(k));
             if number[root] == u32::MAX {
                 number[root] = parts.len() as u32;
@@ -222,7 +222,7 @@ impl CellMap {
             }
             number[root]
         };
-        let part: Vec<u32> = (0..runs.len()).map(&mut part_of).collect();
+        let part: Vec<u32> = (0..runs.len()).map(part_of).collect();
         let mut beside: BTreeMap<u32, BTreeSet<u32>> = BTreeMap::new();
         for [a, b] in unlike.into_iter().map(|pair| pair.map(|run| part[run])) {
             beside.entry(a).or_default().insert(b);

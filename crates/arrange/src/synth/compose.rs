@@ -86,8 +86,8 @@ impl<'a> Arranged<'a> {
         Self::new(blank, placements, report)
     }
 
-    /// The thing of which each placement is all or a part, by its number: motifs are whole things.
-    pub(super) fn things(&self) -> Vec<usize> {
+    /// For each placement the number of the thing of which it is all or a part: a motif is one thing.
+    pub(super) fn thing_numbers(&self) -> Vec<usize> {
         let mut of_motif = BTreeMap::new();
         let mut numbers = 0..;
         let mut next = || numbers.next().unwrap_or_default();

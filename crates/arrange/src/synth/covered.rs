@@ -8,7 +8,7 @@ use vtex_scene::scene::{Scene, pixels};
 /// Largest difference of an angle or a size from that of an equal element, for one that is only moved.
 pub(super) const MOVED: f64 = 1e-3;
 /// Largest canvas on which covered pixels are counted.
-const MOST_COUNTED: u64 = 100_000_000;
+pub(super) const MOST_COUNTED: u64 = 100_000_000;
 
 /// Whether a map neither turns nor resizes.
 pub(super) fn is_moved(map: Affine) -> bool {

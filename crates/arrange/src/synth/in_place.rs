@@ -6,16 +6,17 @@
 //! something.
 
 use super::compose::{Arranged, What};
+use super::covered::MOST_COUNTED;
 use crate::arrange::Plan;
 use crate::arrange::context::DrawnContext;
-use crate::arrange::taken::{TakenPixels, usual_clearance};
+use crate::arrange::taken::{REACH, TakenPixels, usual_clearance};
 use crate::arrange::variation::Variation;
 use vtex_base::error::Result;
 use vtex_base::geometry::{Affine, Point, Vec2, rounded};
 use vtex_base::parallel;
 use vtex_base::progress::{Progress, advance};
 use vtex_base::raster::Mask;
-use vtex_base::raster::contact::ContactPage;
+use vtex_base::raster::contact::{ContactPage, gaps};
 use vtex_base::sampling::stream;
 use vtex_scene::element::Shape;
 use vtex_scene::scene::{SynthParams, pixels};
@@ -24,16 +25,12 @@ use vtex_scene::scene::{SynthParams, pixels};
 const CLEARANCES: [f64; 3] = [1.0, 0.6, 0.3];
 /// Variations that are tried for each element at each of them.
 const TRIES: usize = 10;
-/// Largest distance between elements that is distinguished, in pixels.
-const REACH: u16 = 40;
 /// Things drawn at a time.
 const AT_ONCE: usize = 512;
-/// Largest canvas on which elements are changed, in pixels.
-const MOST_PIXELS: u64 = 100_000_000;
 
 /// An element on the canvas, or all parts of a motif.
 struct Thing {
-    /// The shapes on the canvas, and their centroid.
+    /// The shapes on the canvas if they may change, and their centroid.
     shapes: Vec<Shape>,
     middle: Point,
     /// What no other may come near: the pixels of the shapes, and of their holes if nothing lies in these.
@@ -61,18 +58,23 @@ pub(super) fn vary_in_place(
     }
     let go_on = || advance(progress, stage, 1, 2);
     go_on()?;
-    if u64::from(params.width) * u64::from(params.height) > MOST_PIXELS {
-        progress.warn_of_placing("the texture is too large for elements to be turned, mirrored or resized");
+    if u64::from(params.width) * u64::from(params.height) > MOST_COUNTED {
+        progress.warn_of_placing(
+            "the texture is too large for elements to be turned, mirrored or resized: it has more than 100 megapixels",
+        );
         return Ok(());
     }
-    let numbers = arranged.things();
+    let numbers = arranged.thing_numbers();
     let (mut things, mut taken) = things(arranged, &numbers, plan, &go_on)?;
-    if !things.iter().any(|thing| thing.is_free) {
+    let maps = varied(&mut things, &mut taken, params, &go_on)?;
+    if maps.iter().any(Option::is_some) {
+        arranged.report.period = None;
+    } else if !maps.is_empty() {
         progress.warn_of_placing(
-            "no element is turned, mirrored or resized: each touches others or runs on from copy to copy",
+            "no element is turned, mirrored or resized: each touches others, has others inside, runs on from copy to \
+             copy, or has no room; '--method descriptor' turns elements before it places them",
         );
     }
-    let maps = varied(&mut things, &mut taken, params, &go_on)?;
     for (placement, number) in arranged.placements.iter_mut().zip(numbers) {
         if let Some(map) = maps[number] {
             placement.transform = rounded(map * Affine::new(placement.transform));
@@ -117,7 +119,12 @@ fn varied(
                     * Affine::new([a, b, c, d, 0.0, 0.0])
                     * Affine::translate(-middle);
                 let mask = thing.mask_in(map);
-                if taken.is_free(&mask, [0; 2], distance, f64::from(shortest)) {
+                // Copies of its own are not taken now.
+                let is_apart = mask.bounds().is_some_and(|(x0, y0, x1, y1)| {
+                    let sides = [x1 - x0, y1 - y0];
+                    (0..2).all(|k| !taken.wraps[k] || sides[k] + distance <= taken.size[k])
+                });
+                if is_apart && taken.is_free(&mask, [0; 2], distance, f64::from(shortest)) {
                     (thing.mask, maps[k]) = (mask, Some(map));
                     break;
                 }
@@ -151,7 +158,10 @@ fn things(
     let count = numbers.iter().max().map_or(0, |last| last + 1);
     let mut shapes = vec![Vec::new(); count];
     let (mut sums, mut ends) = (vec![(Vec2::ZERO, 0.0); count], vec![true; count]);
-    for (placement, &number) in arranged.placements.iter().zip(numbers) {
+    for (k, (placement, &number)) in arranged.placements.iter().zip(numbers).enumerate() {
+        if k.is_multiple_of(AT_ONCE) {
+            go_on()?;
+        }
         let What::Known(_, id, _) = placement.what else {
             ends[number] = false;
             continue;
@@ -178,13 +188,7 @@ fn things(
     masks.iter().for_each(|mask| taken.set_mask(mask, [0; 2], true));
     let (page, mut contacts) = ContactPage::new(size, wraps, &masks);
     page.near(REACH, &mut contacts, go_on)?;
-    let mut gaps = vec![REACH; masks.len()];
-    for (&(a, b, _), contact) in &contacts {
-        let gap = if contact.hidden > 0 { 0 } else { contact.gap };
-        for k in [a, b] {
-            gaps[k as usize] = gaps[k as usize].min(gap);
-        }
-    }
+    let gaps = gaps(&contacts, masks.len(), REACH);
     let mut things: Vec<Thing> = Vec::with_capacity(count);
     for (k, (shapes, mask)) in shapes.into_iter().zip(masks).enumerate() {
         go_on()?;
@@ -196,6 +200,9 @@ fn things(
             let mut rows = holes.spans().iter().flat_map(|span| taken.row(*span, [0; 2], 0));
             thing.is_free = !rows.any(|row| taken.any(row));
             thing.mask = if thing.is_free { filled } else { thing.mask };
+        }
+        if !thing.is_free {
+            thing.shapes.clear();
         }
         things.push(thing);
     }
@@ -351,6 +358,27 @@ mod tests {
     }
 
     #[test]
+    fn an_element_keeps_apart_from_its_own_copies() {
+        let mut map = LabelMap::filled(120, 40, 0);
+        (0..6).for_each(|y| (0..100).for_each(|x| map.set(5 + x, 10 + y, 1)));
+        let library = drawing_of(&map);
+        let tile = Tile { x: true, y: true };
+        for seed in 0..12 {
+            let asked = SynthParams {
+                width: 120,
+                height: 40,
+                seed,
+                tile,
+                method: Method::Period,
+                rotate: Some(90.0),
+                ..SynthParams::default()
+            };
+            let (scene, _, _) = made(&library, &asked);
+            assert!(all(&scene).iter().all(|bar| bar.angle.abs() < 20.0), "{:?}", all(&scene));
+        }
+    }
+
+    #[test]
     fn motifs_are_changed_as_wholes() {
         let mut library = drawing();
         let part = |k: usize| MotifPart { element: ElementId::after(k), periods: [0; 2] };
@@ -375,6 +403,15 @@ mod tests {
                 assert!(is_near(between(a.0, b.0), between(a.1, b.1)));
             }
             assert!(motifs.len() > 60 && 10 * turned > 5 * motifs.len(), "{turned} of {}", motifs.len());
+            // Parts beyond the canvas turn with the others.
+            let (ends, _, _) = made(&library, &SynthParams { rotate: Some(15.0), ..params(method, false) });
+            let mut parts: BTreeMap<u32, Vec<f64>> = BTreeMap::new();
+            for (placed, i) in all(&ends).into_iter().zip(ends.instances()) {
+                parts.entry(i.motif.unwrap_or(u32::MAX)).or_default().push(placed.angle);
+            }
+            parts.remove(&u32::MAX);
+            let is_whole = |angles: &Vec<f64>| angles.len() == 2 && (angles[0] - angles[1]).abs() < 1e-3;
+            assert!(parts.len() > 60 && parts.values().all(is_whole), "{parts:?}");
         }
     }
 }

@@ -9,6 +9,7 @@ use super::thinned::thin;
 use crate::arrange::Plan;
 use crate::arrange::motifs::DrawnElement;
 use crate::arrange::period::{Repeated, place};
+use std::collections::BTreeSet;
 use vtex_base::error::Result;
 use vtex_base::geometry::{Affine, Rect, rounded};
 use vtex_base::progress::Progress;
@@ -30,7 +31,7 @@ impl PlacementMethod for Periodic {
         let library = &plan.libraries[0];
         let repeated = place(library, &plan.params, progress)?;
         let placements = placements(library, &plan.params, &repeated).collect();
-        let period = repeated.repeating.filter(|_| !plan.params.varies());
+        let period = repeated.repeating;
         let report = SynthReport { period, ..SynthReport::of_drawing(library, 1.0, Some(repeated.covered)) };
         let mut arranged = Arranged::of_drawing(plan, repeated.variation, placements, report);
         if plan.params.tile.any() {
@@ -70,7 +71,11 @@ fn placements<'a>(
     let reaches = move |p: &&DrawnElement| {
         params.tile.any() || p.map.transform_rect_bbox(repeated.bounds[p.element]).overlaps(canvas)
     };
-    let mut ordered: Vec<&DrawnElement> = repeated.placed.iter().filter(reaches).collect();
+    // Motifs that are turned in the end are turned as wholes.
+    let motifs: BTreeSet<u32> =
+        repeated.placed.iter().filter(|p| params.varies() && reaches(p)).filter_map(|p| p.motif).collect();
+    let is_shown = |p: &&DrawnElement| reaches(p) || p.motif.is_some_and(|motif| motifs.contains(&motif));
+    let mut ordered: Vec<&DrawnElement> = repeated.placed.iter().filter(is_shown).collect();
     ordered.sort_by_key(|p| (p.order, p.motif));
     let is_stacked = params.tile.any() && library.source.stacking != [0; 2];
     ordered.into_iter().map(move |p| {

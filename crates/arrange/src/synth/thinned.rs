@@ -38,7 +38,7 @@ pub(super) fn thin(
              are as many as in the drawing; '--method descriptor' places more, without the drawing's order",
         );
     }
-    let number = arranged.things();
+    let number = arranged.thing_numbers();
     let count = number.iter().max().map_or(0, |last| last + 1);
     let mut sums = vec![([0.0; 2], 0.0); count];
     for (placement, &thing) in arranged.placements.iter().zip(&number) {

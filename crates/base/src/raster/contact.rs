@@ -75,6 +75,18 @@ pub struct Contact {
     pub hidden: u32,
 }
 
+/// The distance of each of `count` masks to the nearest other, at most `reach` pixels: 0 for one that touches others.
+pub fn gaps(contacts: &BTreeMap<Pair, Contact>, count: usize, reach: u16) -> Vec<u16> {
+    let mut gaps = vec![reach; count];
+    for (&(a, b, _), contact) in contacts {
+        let gap = if contact.hidden > 0 { 0 } else { contact.gap };
+        for k in [a, b] {
+            gaps[k as usize] = gaps[k as usize].min(gap);
+        }
+    }
+    gaps
+}
+
 impl ContactPage {
     /// The page of `size` pixels on which masks are painted in turn. Also returns the contacts in which masks
     /// hide others.

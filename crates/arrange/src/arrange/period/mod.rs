@@ -71,12 +71,12 @@ fn place_within(
     progress: &dyn Progress,
 ) -> Result<Repeated> {
     check_copies(library, params)?;
-    let begin = || advance(progress, "primaries", 0, 2);
-    begin()?;
+    let go_on = || advance(progress, "primaries", 0, 2);
+    go_on()?;
     // Motifs are placed as wholes and then taken apart.
     let units = MotifUnits::new(library);
     let drawing = units.as_ref().map_or(library, |u| &u.library);
-    let mut relations = ElementRelations::new(drawing, &begin)?;
+    let mut relations = ElementRelations::new(drawing, &go_on)?;
     if let Some(units) = &units {
         relations.follow(units);
     }
@@ -94,7 +94,7 @@ fn place_within(
     if let Some(mut canvas) = OccupiedCanvas::new(drawing, params, &relations, most) {
         if variation > 0.0 {
             alike.exchange(&mut placed, |p| canvas.zone(p), (variation, params.seed));
-            canvas.write_all(&placed, begin)?;
+            canvas.write_all(&placed, go_on)?;
             go_on()?;
             canvas.vary(&mut placed, variation, params.seed, go_on)?;
         }

@@ -2,13 +2,13 @@
 
 use super::order;
 use crate::arrange::motifs::MotifUnits;
-use crate::arrange::taken::usual_clearance;
+use crate::arrange::taken::{REACH, usual_clearance};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use vtex_base::error::Result;
 use vtex_base::geometry::{Point, Rect};
 use vtex_base::raster::Mask;
-use vtex_base::raster::contact::ContactPage;
+use vtex_base::raster::contact::{ContactPage, gaps};
 use vtex_scene::element::{SimilarTo, bounds};
 use vtex_scene::library::{ExemplarElement, Library};
 use vtex_scene::reconstruct::equal;
@@ -16,8 +16,6 @@ use vtex_scene::scene::pixels;
 
 /// Drawings with fewer elements count as regular.
 const FEWEST: usize = 5;
-/// Largest gap between neighbours that is distinguished, in pixels.
-const REACH: u16 = 40;
 
 /// The relations between the elements of a drawing.
 pub(super) struct ElementRelations {
@@ -50,7 +48,7 @@ pub(super) struct ElementRelations {
 }
 
 impl ElementRelations {
-    /// The relations of a drawing. `go_on` is asked in between.
+    /// The relations of a drawing. `go_on` is asked while gaps are measured.
     ///
     /// # Errors
     /// Those of `go_on`.
@@ -64,14 +62,8 @@ impl ElementRelations {
         let on_page: Vec<Mask> = masks.iter().map(|m| m.within([-w, -h], [2 * w, 2 * h])).collect();
         let (page, mut contacts) = ContactPage::new(size, [true; 2], &on_page);
         page.near(REACH, &mut contacts, go_on)?;
-        let mut free: Vec<bool> = elements.iter().map(|e| !e.clipped).collect();
-        let mut gaps = vec![u16::MAX; elements.len()];
-        for (&(a, b, _), contact) in &contacts {
-            for k in [a as usize, b as usize] {
-                gaps[k] = gaps[k].min(contact.gap);
-                free[k] &= contact.gap > 0 && contact.hidden == 0;
-            }
-        }
+        let gaps = gaps(&contacts, elements.len(), REACH);
+        let mut free: Vec<bool> = elements.iter().zip(&gaps).map(|(e, gap)| !e.clipped && *gap > 0).collect();
         let page_area = f64::from(size[0]) * f64::from(size[1]);
         let spacing = libm::sqrt(page_area / elements.len().max(1) as f64);
         let equal = equal(elements);
@@ -96,7 +88,7 @@ impl ElementRelations {
             equal,
             bounds,
             masks: masks.into_iter().map(Arc::new).collect(),
-            clearance: usual_clearance((0..free.len()).filter(|&k| free[k]).map(|k| gaps[k].min(REACH))),
+            clearance: usual_clearance((0..free.len()).filter(|&k| free[k]).map(|k| gaps[k])),
             free,
             spacing,
             shortest_side,

@@ -15,7 +15,7 @@ const COPIES: usize = 2;
 const MOTIFS: usize = 2;
 /// Most elements of a set.
 const MOST_PARTS: usize = 128;
-/// Most points of the polygons of a motif.
+/// Points of the polygons of a motif above which longer ones are thinned.
 const MOST_POINTS: usize = 128;
 
 /// Motifs, and elements of none, each as one element.
@@ -58,6 +58,7 @@ fn as_one(members: &[(usize, Shift)], elements: &[MotifElement], plane: MotifPla
         bounds: elements[first].bounds + plane.vector(shift),
         rings: Vec::new(),
         axis: None,
+        is_free: true,
         ..elements[first].clone()
     };
     let mut sum = Vec2::ZERO;
@@ -68,7 +69,7 @@ fn as_one(members: &[(usize, Shift)], elements: &[MotifElement], plane: MotifPla
         one.rings.extend(own.rings.iter().map(|ring| ring.iter().map(|p| *p + by).collect::<Vec<Point>>()));
     }
     one.centre = (sum / members.len() as f64).to_point();
-    let step = one.rings.iter().map(Vec::len).sum::<usize>().div_ceil(MOST_POINTS);
+    let step = one.rings.iter().map(Vec::len).sum::<usize>().div_ceil(MOST_POINTS).max(1);
     for ring in one.rings.iter_mut().filter(|ring| ring.len() >= 3 * step) {
         *ring = ring.iter().step_by(step).copied().collect();
     }

@@ -150,16 +150,17 @@ fn grouping_stops_wherever_it_is_asked_to() {
     assert!((0..all).step_by(7).all(|most| run(most).is_err()));
 }
 
-/// Flowers of five petals around places, each turned by its own angle, on a page of 900 x 900.
-fn flowers(places: &[Point]) -> String {
+/// Flowers of five petals around places, each turned by its own angle, on a page of 900 x 900; each a group of the author if
+/// asked for.
+fn flowers(places: &[Point], in_groups: bool) -> String {
     let flower = |(k, at): (usize, &Point)| {
-        (0..5)
-            .map(|petal| {
-                let angle = 36.7 * k as f64 + 72.0 * f64::from(petal);
-                let Point { x, y } = *at;
-                format!("<ellipse rx='6' ry='3' transform='translate({x} {y})rotate({angle})translate(20)'/>")
-            })
-            .collect::<String>()
+        let petal = |petal: u32| {
+            let angle = 36.7 * k as f64 + 72.0 * f64::from(petal);
+            let Point { x, y } = *at;
+            format!("<ellipse rx='6' ry='3' transform='translate({x} {y})rotate({angle})translate(20)'/>")
+        };
+        let petals: String = (0..5).map(petal).collect();
+        if in_groups { format!("<g>{petals}</g>") } else { petals }
     };
     let all: String = places.iter().enumerate().map(flower).collect();
     format!("<svg xmlns='http://www.w3.org/2000/svg' width='900' height='900'>{all}</svg>")
@@ -167,7 +168,7 @@ fn flowers(places: &[Point]) -> String {
 
 #[test]
 fn motifs_of_motifs_are_wholes() {
-    // Middles of twelve groups, a little out of line; one crosses the right border.
+    // Middles of twelve groups, a little out of line.
     let middle = |k: usize| {
         let [x, y] = [(150 + k % 3 * 330) as f64, (110 + k / 3 * 225) as f64];
         Point::new(x + (k * 37 % 23) as f64, y + (k * 53 % 19) as f64)
@@ -180,7 +181,7 @@ fn motifs_of_motifs_are_wholes() {
     };
     let groups: Vec<Point> = (0..12).flat_map(|k| around(middle(k), k, 43.0)).collect();
     for wrap in [false, true] {
-        let library = read(&flowers(&groups), wrap, MotifGrouping::Auto, Grouping::Piece);
+        let library = read(&flowers(&groups, false), wrap, MotifGrouping::Auto, Grouping::Piece);
         assert_eq!(library.motif_sizes(), BTreeMap::from([(15, 12)]), "{wrap}");
         for motif in &library.motifs {
             let at = |part: &MotifPart| {
@@ -190,18 +191,21 @@ fn motifs_of_motifs_are_wholes() {
             };
             assert!(motif.parts.iter().all(|part| at(part).distance(at(&motif.parts[0])) < 150.0));
         }
+        let of_author = flowers(&groups, true);
+        let library = read(&of_author, wrap, MotifGrouping::Auto, Grouping::Piece);
+        assert_eq!(library.motif_sizes(), BTreeMap::from([(15, 12)]), "{wrap}");
         // The same flowers, spread over the page.
         let even: Vec<Point> = (0..36)
             .map(|k| {
                 Point::new((75 + k % 6 * 150 + k * 7 % 20) as f64, (75 + k / 6 * 150 + k * 11 % 17) as f64)
             })
             .collect();
-        let library = read(&flowers(&even), wrap, MotifGrouping::Auto, Grouping::Piece);
+        let library = read(&flowers(&even, false), wrap, MotifGrouping::Auto, Grouping::Piece);
         assert_eq!(library.motif_sizes(), BTreeMap::from([(5, 36)]), "{wrap}");
         // Two pairs of them by chance.
         let mut some = even.clone();
         (some[8], some[27]) = (some[7] + (even[8] - even[7]) * 0.4, some[26] + (even[27] - even[26]) * 0.4);
-        let library = read(&flowers(&some), wrap, MotifGrouping::Auto, Grouping::Piece);
+        let library = read(&flowers(&some, false), wrap, MotifGrouping::Auto, Grouping::Piece);
         assert_eq!(library.motif_sizes(), BTreeMap::from([(5, 36)]), "{wrap}");
     }
 }

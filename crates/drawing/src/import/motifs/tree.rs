@@ -6,7 +6,7 @@ use crate::import::offsets::{Shift, minus, plus};
 use vtex_base::disjoint_sets::DisjointSets;
 use vtex_base::geometry::{Rect, Vec2};
 
-/// Most elements of a motif.
+/// Most parts of a set.
 const MOST_PARTS: usize = 32;
 
 /// The plane that elements lie on.
