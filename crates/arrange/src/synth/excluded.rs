@@ -48,6 +48,7 @@ pub(super) fn no_elements(libraries: &[Library], scene: &Scene) -> Option<String
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::synth::testing::Warnings;
     use crate::synth::{Controls, synthesize_with};
     use vtex_base::document::Document;
     use vtex_scene::library::testing::{guided, mosaic};
@@ -55,12 +56,6 @@ mod tests {
 
     #[test]
     fn excluded_categories_are_not_placed_and_others_cover_about_as_much() {
-        struct Warnings(std::sync::Mutex<Vec<String>>);
-        impl Progress for Warnings {
-            fn warn(&self, message: &str) {
-                self.0.lock().unwrap().push(message.into());
-            }
-        }
         let whole = guided(&mosaic(140, 14.0, 0.6, 2));
         let names = whole.category_names();
         for method in [Method::Correspondence, Method::Descriptor] {
@@ -87,7 +82,7 @@ mod tests {
             let cover = (first.got + third.got) / (first.wanted + third.wanted);
             assert!((0.65..1.3).contains(&cover), "{method:?}: {first:?} {third:?}");
             // A name that no category has changes nothing, and is told.
-            let warnings = Warnings(Default::default());
+            let warnings = Warnings::default();
             let (plain, _) = made(&[], &());
             let (other, _) = made(&["no such".into()], &warnings);
             assert_eq!(other.elements, plain.elements);

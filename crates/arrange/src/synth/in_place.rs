@@ -119,7 +119,7 @@ fn varied(
                     * Affine::new([a, b, c, d, 0.0, 0.0])
                     * Affine::translate(-middle);
                 let mask = thing.mask_in(map);
-                // Copies of its own are not taken now.
+                // Its own copies across the seams have been freed with it.
                 let is_apart = mask.bounds().is_some_and(|(x0, y0, x1, y1)| {
                     let sides = [x1 - x0, y1 - y0];
                     (0..2).all(|k| !taken.wraps[k] || sides[k] + distance <= taken.size[k])
@@ -197,8 +197,7 @@ fn things(
         if thing.is_free {
             let filled = pixels::with_holes(&thing.shapes, &thing.mask);
             let holes = filled.without(&thing.mask);
-            let mut rows = holes.spans().iter().flat_map(|span| taken.row(*span, [0; 2], 0));
-            thing.is_free = !rows.any(|row| taken.any(row));
+            thing.is_free = taken.is_free(&holes, [0; 2], 0, 1.0);
             thing.mask = if thing.is_free { filled } else { thing.mask };
         }
         if !thing.is_free {
@@ -213,10 +212,9 @@ fn things(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::synth::testing::drawing_of;
+    use crate::synth::testing::{Warnings, drawing_of, fill};
     use crate::synth::{Controls, SynthReport, synthesize_with};
     use std::collections::BTreeMap;
-    use std::sync::Mutex;
     use vtex_base::raster::LabelMap;
     use vtex_scene::library::{ElementId, Library, Motif, MotifPart};
     use vtex_scene::scene::{Instance, Method, Scene, Tile};
@@ -227,18 +225,10 @@ mod tests {
     /// Bars in six rows; two of them have a square at their side.
     fn drawing() -> Library {
         let mut map = LabelMap::filled(SIDE, SIDE, 0);
-        let mut label = 0;
-        let mut fill = |x: u32, y: u32, w: u32, h: u32| {
-            label += 1;
-            for (dx, dy) in (0..h).flat_map(|dy| (0..w).map(move |dx| (dx, dy))) {
-                map.set((x + dx) % SIDE, (y + dy) % SIDE, label);
-            }
-        };
-        for k in 0..36 {
-            fill(3 + k % 6 * 20, 7 + k / 6 * 20, 13, 5);
+        let bars = (0..36).map(|k| [3 + k % 6 * 20, 7 + k / 6 * 20, 13, 5]);
+        for (area, label) in bars.chain([[3, 12, 4, 4], [63, 72, 4, 4]]).zip(1..) {
+            fill(&mut map, label, area);
         }
-        fill(3, 12, 4, 4);
-        fill(63, 72, 4, 4);
         drawing_of(&map)
     }
 
@@ -252,13 +242,6 @@ mod tests {
     }
 
     fn made(library: &Library, params: &SynthParams) -> (Scene, SynthReport, Vec<String>) {
-        #[derive(Default)]
-        struct Warnings(Mutex<Vec<String>>);
-        impl Progress for Warnings {
-            fn warn(&self, message: &str) {
-                self.0.lock().unwrap().push(message.into());
-            }
-        }
         let warnings = Warnings::default();
         let libraries = std::slice::from_ref(library);
         let (scene, report) = synthesize_with(libraries, params, &Controls::default(), &warnings).unwrap();

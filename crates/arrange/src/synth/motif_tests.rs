@@ -1,6 +1,7 @@
 //! Motifs stay together in textures of all methods.
 
 use super::synthesize;
+use super::testing::fill;
 use std::collections::BTreeSet;
 use vtex_base::geometry::{Point, Vec2, shortest_offset};
 use vtex_base::raster::LabelMap;
@@ -25,9 +26,7 @@ fn pairs() -> Library {
     let mut label = 0;
     let mut fill = |x: u32, y: u32, w: u32, h: u32| {
         label += 1;
-        for (dx, dy) in (0..h).flat_map(|dy| (0..w).map(move |dx| (dx, dy))) {
-            map.set((x + dx) % SIDE, (y + dy) % SIDE, label);
-        }
+        fill(&mut map, label, [x, y, w, h]);
     };
     for (k, [x, y]) in PLACES.into_iter().enumerate() {
         let columns = if k == 3 { 10 } else { 24 };

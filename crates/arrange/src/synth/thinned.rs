@@ -72,10 +72,8 @@ pub(super) fn shown(
 
 #[cfg(test)]
 mod tests {
-    use crate::synth::testing::drawing_of;
+    use crate::synth::testing::{Warnings, drawing_of};
     use crate::synth::{Controls, synthesize_with};
-    use std::sync::Mutex;
-    use vtex_base::progress::Progress;
     use vtex_base::raster::{ControlMap, LabelMap};
     use vtex_scene::library::Library;
     use vtex_scene::scene::{Method, SynthParams};
@@ -98,13 +96,6 @@ mod tests {
         method: Method,
         densities: Option<[f32; 2]>,
     ) -> (Vec<[f64; 2]>, Vec<String>) {
-        #[derive(Default)]
-        struct Warnings(Mutex<Vec<String>>);
-        impl Progress for Warnings {
-            fn warn(&self, message: &str) {
-                self.0.lock().unwrap().push(message.into());
-            }
-        }
         let density = densities.map(|v| ControlMap::new(2, 1, v.to_vec()).unwrap());
         let controls = Controls { density, ..Controls::default() };
         let params = SynthParams { width: 480, height: 240, seed: 3, ..SynthParams::default() };

@@ -165,12 +165,8 @@ impl<'a> OccupiedCanvas<'a> {
             _ if high <= 0.0 || low >= f64::from(size) => 2,
             _ => 1,
         };
-        axis(self.taken.wraps[0], b.x0, b.x1, self.canvas[0]).max(axis(
-            self.taken.wraps[1],
-            b.y0,
-            b.y1,
-            self.canvas[1],
-        ))
+        let ([along, across], [width, height]) = (self.taken.wraps, self.canvas);
+        axis(along, b.x0, b.x1, width).max(axis(across, b.y0, b.y1, height))
     }
 
     /// Centre of an element's bounds.

@@ -2,7 +2,7 @@
 
 use super::order;
 use crate::arrange::motifs::MotifUnits;
-use crate::arrange::taken::{REACH, usual_clearance};
+use crate::arrange::taken::{REACH, TakenPixels, usual_clearance};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use vtex_base::error::Result;
@@ -115,11 +115,10 @@ fn solid(
     elements: &[ExemplarElement],
     masks: &[Mask],
     on_page: &[Mask],
-    [w, h]: [i32; 2],
+    size: [i32; 2],
 ) -> Vec<Option<Arc<Mask>>> {
-    let place = |(x, y): (i32, i32)| (y.rem_euclid(h) * w + x.rem_euclid(w)) as usize;
-    let mut taken = vec![false; (w * h) as usize];
-    on_page.iter().flat_map(Mask::pixels).for_each(|pixel| taken[place(pixel)] = true);
+    let mut taken = TakenPixels::none([0; 2], size, [true; 2]);
+    on_page.iter().for_each(|mask| taken.set_mask(mask, [0; 2], true));
     let numbered: Vec<usize> = (0..masks.len()).collect();
     vtex_base::parallel::map(&numbered, |&k| {
         let filled = if elements[k].clipped {
@@ -128,7 +127,7 @@ fn solid(
             pixels::with_holes(&elements[k].shapes, &masks[k])
         };
         let holes = filled.without(&masks[k]);
-        let is_solid = !holes.is_empty() && !holes.pixels().any(|pixel| taken[place(pixel)]);
+        let is_solid = !holes.is_empty() && taken.is_free(&holes, [0; 2], 0, 1.0);
         is_solid.then(|| Arc::new(filled))
     })
 }
